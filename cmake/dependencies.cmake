@@ -1,0 +1,40 @@
+# Finds the libraries and sets the flags common to all targets (target myrialux_flags).
+find_package(TBB REQUIRED)
+find_package(fmt REQUIRED)
+find_package(embree 4 QUIET)
+if(NOT embree_FOUND)
+  find_package(embree 3.13 REQUIRED)
+endif()
+find_package(hwy QUIET)
+find_package(PkgConfig REQUIRED)
+if(NOT hwy_FOUND)
+  pkg_check_modules(hwy REQUIRED IMPORTED_TARGET libhwy)
+  add_library(hwy::hwy ALIAS PkgConfig::hwy)
+endif()
+find_package(pugixml REQUIRED)
+find_package(OpenImageIO REQUIRED)
+find_package(ZLIB REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(Eigen3 REQUIRED)
+
+add_library(myrialux_flags INTERFACE)
+target_include_directories(myrialux_flags INTERFACE ${PROJECT_SOURCE_DIR}/src)
+# Plain code is compiled for SSE4.2; kernels/ picks the instruction set at run time (Highway), Embree does its own.
+# No contraction to fused multiply-add: the same bits from the same source on every machine.
+target_compile_options(myrialux_flags INTERFACE -march=x86-64-v2 -ffp-contract=off -Wall -Wextra -Wshadow
+  -Wno-psabi $<$<BOOL:${MYRIALUX_WERROR}>:-Werror>)
+target_compile_definitions(myrialux_flags INTERFACE MYRIALUX_VERSION="${PROJECT_VERSION}")
+if(MYRIALUX_SANITIZE)
+  target_compile_options(myrialux_flags INTERFACE -fsanitize=${MYRIALUX_SANITIZE} -fno-omit-frame-pointer
+    -fno-sanitize-recover=all)
+  target_link_options(myrialux_flags INTERFACE -fsanitize=${MYRIALUX_SANITIZE})
+endif()
+
+set(myrialux_libs_base TBB::tbb fmt::fmt)
+set(myrialux_libs_kernels hwy::hwy)
+set(myrialux_libs_scene pugixml::pugixml OpenImageIO::OpenImageIO ZLIB::ZLIB)
+set(myrialux_libs_trace embree)
+set(myrialux_libs_clusters Eigen3::Eigen)
+set(myrialux_libs_film OpenImageIO::OpenImageIO)
+set(myrialux_libs_report nlohmann_json::nlohmann_json)

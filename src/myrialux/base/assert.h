@@ -1,0 +1,15 @@
+// Invariants: a programmer's mistake stops a checked build (dev, asan, tsan) at its place; release builds skip the
+// test.
+#pragma once
+
+#include <cstdio>
+#include <cstdlib>
+
+#ifdef NDEBUG
+#define MYRIALUX_ASSERT(condition) ((void)sizeof(!(condition)))
+#else
+#define MYRIALUX_ASSERT(condition) \
+  ((condition)                     \
+       ? (void)0                   \
+       : (std::fprintf(stderr, "%s:%d: broken invariant: %s\n", __FILE__, __LINE__, #condition), std::abort()))
+#endif

@@ -1,0 +1,40 @@
+// The light cut of a slice: nodes refined by the largest upper bound of their error over the slice's points.
+// Bounds after Lightcuts [walter05, 4]; shared by a slice as in [wang20, 4.3].
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "myrialux/clusters/light_tree.h"
+#include "myrialux/clusters/slices.h"
+
+namespace myrialux {
+
+struct CutParams {
+  std::uint32_t n_clusters = 1000;  ///< exact size of the cut (smaller only if the tree ends)
+  std::uint32_t n_points = 16;      ///< receivers of the slice at which bounds are taken; 0 = all
+  float clamp_distance = 0;         ///< geometry bound 1 / max(d^2, clamp^2); 0 = no clamp
+};
+
+/// One column of a slice: a representative light and what its cluster weighs.
+struct Column {
+  LightId light{};
+  float weight = 1;         ///< W: cluster importance / importance of the representative
+  std::uint32_t node = 0;   ///< of the tree
+  std::uint32_t count = 1;  ///< lights in the cluster
+};
+
+/// Columns are ordered by (kind, octant of the direction to the slice's centre, depth-first position in the tree).
+/// Deterministic: ties by node index.
+std::vector<Column> light_cut(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
+                              const VirtualLights& lights, const LightTree& tree, const CutParams& params);
+
+/// Upper bound of the node's contribution to receiver i (luminance, beta not included), for tests and refinement.
+float cluster_bound(const World& world, const Receivers& receivers, ReceiverId i, const LightTree& tree,
+                    std::uint32_t node, float clamp_distance);
+
+/// Octant (0..7) of the direction from the slice's centre to the light (directional: to where it comes from).
+std::uint32_t octant(Vec3 slice_centre, const VirtualLights& lights, LightId j);
+
+}  // namespace myrialux

@@ -1,0 +1,46 @@
+// From camera samples to pixels, and from pixels to files.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "myrialux/math/filter.h"
+#include "myrialux/math/vec.h"
+
+namespace myrialux {
+
+/// A picture of named float layers, all of one size. Layer "" is the beauty (R G B); others as in docs/formats.md.
+struct Picture {
+  int width = 0, height = 0;
+  struct Layer {
+    std::string name;                   ///< "", "albedo", "normal", "depth", ...
+    std::vector<std::string> channels;  ///< {"R","G","B"}, {"X","Y","Z"}, {"Z"}, {"id"}, ...
+    std::vector<float> pixels;          ///< [height * width * channels.size()], row by row from the top
+  };
+  std::vector<Layer> layers;
+  Layer& add_layer(const std::string& name, std::vector<std::string> channels);
+  const Layer* find(const std::string& name) const;
+};
+
+/// Weighs samples into pixels: pixel = sum f(x) L / sum f(x) over samples within the filter's radius, in fixed order.
+/// `position` in pixels from the top left, sorted by pixel: sample k of pixel i is i * spp + k. Parallel,
+/// deterministic.
+/// @param values [n_samples]; adds sums and weights to `sum` [pixels] and `weight` [pixels] in double, so that passes
+/// add up
+void accumulate(std::span<const Vec2> position, std::span<const Rgb> values, int width, int height, int spp,
+                const Filter& filter, std::vector<double>& sum_rgb, std::vector<double>& weight);
+
+/// Parameters kept in an EXR header, as text.
+using Metadata = std::map<std::string, std::string>;
+
+/// Writes by extension (.exr all layers, float32; .png .jpg .hdr the beauty; png and jpg with sRGB curve and `exposure`
+/// in stops). Written beside the target and renamed: a half picture never stands under the final name.
+/// @throws Error (output); (input) if a pixel is not finite, naming it.
+void write_picture(const Picture& picture, const std::string& path, const Metadata& metadata, float exposure = 0);
+/// Reads EXR, HDR, PNG, ... as layers.
+Picture read_picture(const std::string& path);
+
+}  // namespace myrialux

@@ -1,0 +1,70 @@
+// Columns of the light matrix: virtual point lights. [wang20, 4.3]; instant radiosity [keller97].
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "myrialux/base/progress.h"
+#include "myrialux/base/rng.h"
+#include "myrialux/transport/paths.h"
+
+namespace myrialux {
+
+/// How a virtual light sends its light out.
+enum class LightKind : std::uint8_t {
+  oriented,     ///< Lambertian: radiant intensity = light * cos, W/sr (area emitters, diffuse surfaces)
+  glossy,       ///< light * f(wi, w) cos w with the surface's wide lobes; light = power that arrived there, W
+  point,        ///< intensity = light in all directions (point and spot emitters; spots scaled by their falloff)
+  directional,  ///< parallel light along n: light = irradiance on a facing surface, W m^-2; p is meaningless
+};
+inline constexpr int kLightKinds = 4;
+
+/// All arrays have length size(); `glossy` only holds entries for lights of that kind.
+struct VirtualLights {
+  std::vector<Vec3> p;        ///< on the surface
+  std::vector<Vec3> n;        ///< unit emission normal (oriented, glossy: shading normal on the lit side); directional:
+                              ///< direction of travel; spot: axis
+  std::vector<Vec3> ng;       ///< geometric normal on the same side as n
+  std::vector<float> offset;  ///< see SurfacePoint::offset
+  std::vector<Rgb> light;     ///< see LightKind; already divided by the number of walks
+  std::vector<LightKind> kind;
+  std::vector<std::uint8_t> bounce;  ///< 0: on the emitter
+  std::vector<std::uint32_t> extra;  ///< index into `glossy` or `spots`, or 0xffffffff
+  struct Glossy {
+    Vec3 wi;
+    BsdfParams bsdf;
+  };  ///< wi: unit, towards where the power came from
+  std::vector<Glossy> glossy;
+  struct Spot {
+    float cos_cutoff, cos_beam;
+  };
+  std::vector<Spot> spots;
+  std::size_t size() const { return p.size(); }
+  /// Scalar size of light j's output, for choosing representatives and ordering: luminance of the peak intensity
+  /// (directional: of the irradiance).
+  float importance(const World& world, LightId j) const;
+};
+
+struct LightParams {
+  std::uint64_t n_lights =
+      100000;          ///< walks are made until this many are there; the last walk is kept whole or not at all
+  bool direct = true;  ///< false: no lights of bounce 0 (direct light is sampled at receivers)
+  RandomKey key;
+};
+
+struct LightResult {
+  VirtualLights lights;
+  std::uint64_t n_walks = 0, light_rays = 0;
+};
+
+/// Photon-like walks from all emitters by power, BSDF sampling, Russian roulette; one light a vertex with wide lobes.
+/// Lights are ordered by walk. Number of walks is fixed beforehand from a pilot so that the estimate stays unbiased.
+LightResult trace_lights(const World& world, const LightParams& params, Progress& progress);
+
+/// PLY point cloud; layout in docs/formats.md. Binary little endian when `binary`.
+void write_lights(const VirtualLights& lights, const Scene& scene, const std::string& path, bool binary);
+/// Reads what write_lights wrote, or any PLY with x y z nx ny nz r g b. @throws Error (input) with file:line or byte.
+VirtualLights read_lights(const std::string& path, const Scene& scene);
+
+}  // namespace myrialux

@@ -1,0 +1,57 @@
+#include "myrialux/math/distribution.h"
+
+#include <algorithm>
+
+#include "myrialux/base/assert.h"
+
+namespace myrialux {
+
+Distribution1D::Distribution1D(std::span<const float> weights) : cumulative_(weights.size() + 1) {
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    MYRIALUX_ASSERT(weights[i] >= 0);
+    cumulative_[i + 1] = cumulative_[i] + weights[i];
+  }
+}
+
+Distribution1D::Sample Distribution1D::sample(float u) const {
+  MYRIALUX_ASSERT(sum() > 0);
+  const double target = u * cumulative_.back();
+  // upper_bound skips entries of weight 0, which end where they begin
+  const auto it = std::upper_bound(cumulative_.begin() + 1, cumulative_.end(), target);
+  std::size_t i = static_cast<std::size_t>(std::min(it, cumulative_.end() - 1) - cumulative_.begin()) - 1;
+  while (cumulative_[i + 1] == cumulative_[i] && i > 0) --i;
+  const double width = cumulative_[i + 1] - cumulative_[i];
+  const double reused = std::clamp((target - cumulative_[i]) / width, 0.0, 0x1.fffffep-1);
+  return {i, probability(i), static_cast<float>(reused)};
+}
+
+Distribution2D::Distribution2D(std::span<const float> weights, std::size_t width, std::size_t height)
+    : width_(width), height_(height) {
+  MYRIALUX_ASSERT(weights.size() == width * height);
+  std::vector<float> row_sums(height);
+  columns_.reserve(height);
+  for (std::size_t y = 0; y < height; ++y) {
+    columns_.emplace_back(weights.subspan(y * width, width));
+    row_sums[y] = static_cast<float>(columns_.back().sum());
+  }
+  rows_ = Distribution1D(row_sums);
+}
+
+Distribution2D::Sample Distribution2D::sample(Vec2 u) const {
+  const Distribution1D::Sample row = rows_.sample(u.y);
+  const Distribution1D::Sample column = columns_[row.index].sample(u.x);
+  const float w = static_cast<float>(width_), h = static_cast<float>(height_);
+  return {{(static_cast<float>(column.index) + column.reused) / w, (static_cast<float>(row.index) + row.reused) / h},
+          row.probability * column.probability * w * h};
+}
+
+float Distribution2D::pdf_uv(Vec2 uv) const {
+  const auto cell = [](float t, std::size_t n) {
+    return std::min(static_cast<std::size_t>(std::max(0.0f, t) * static_cast<float>(n)), n - 1);
+  };
+  const std::size_t x = cell(uv.x, width_), y = cell(uv.y, height_);
+  if (columns_[y].sum() == 0) return 0;
+  return rows_.probability(y) * columns_[y].probability(x) * static_cast<float>(width_ * height_);
+}
+
+}  // namespace myrialux

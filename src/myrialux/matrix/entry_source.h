@@ -1,0 +1,28 @@
+// Where a completion gets true bits from: traced rays in a render, a known matrix in a test.
+#pragma once
+
+#include <cstdint>
+
+#include "myrialux/matrix/bit_matrix.h"
+
+namespace myrialux {
+
+class EntrySource {
+ public:
+  virtual ~EntrySource() = default;
+  virtual std::size_t n_rows() const = 0;
+  virtual std::size_t n_columns() const = 0;
+  /// Rows of column j that matter: bits of others are "don't care" and never asked for.
+  virtual Words active(std::size_t j) const = 0;
+  /// Columns of one group are alike (same octant) and completed together: groups are [begin, end) runs of columns.
+  virtual std::size_t n_groups() const { return 1; }
+  virtual std::size_t group_end(std::size_t g) const {
+    (void)g;
+    return n_columns();
+  }
+  /// Sets bit i of `visible` for each wanted row i that is unoccluded, clears it for the other wanted rows.
+  /// Bits of rows not wanted stay as they are. `wanted` must lie within active(j).
+  virtual void trace(std::size_t j, Words wanted, MutableWords visible) = 0;
+};
+
+}  // namespace myrialux

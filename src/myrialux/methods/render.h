@@ -1,0 +1,57 @@
+// One pass of one method over a frame: receivers and lights in, a radiance for each receiver out.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "myrialux/clusters/cut.h"
+#include "myrialux/completion/bamc.h"
+#include "myrialux/report/stats.h"
+
+namespace myrialux {
+
+/// All knobs of all methods; which apply is in docs/methods. Settable by -D key=value (see parameter table).
+struct MethodParams {
+  SliceParams slices;
+  LightTreeParams tree;
+  CutParams cut;
+  BamcParams bamc;
+  bool bamc_cull = true;     ///< -D bamc.cull=false: trace entries whose transfer is zero, too (as published)
+  float clamp_distance = 0;  ///< scene units; set from --clamp times the robust scene radius
+  RandomKey key;
+};
+
+/// What a method sees of the frame.
+struct FrameView {
+  const World& world;
+  const Receivers& receivers;
+  const VirtualLights& lights;
+  float scene_radius = 0;  ///< of the bounding sphere, for normal weights
+};
+
+/// What it gives back; all indexed by receiver.
+struct MethodResult {
+  std::vector<Rgb> radiance;                         ///< light from virtual lights, beta not applied
+  std::vector<std::uint32_t> slice;                  ///< slice id (slice methods), else empty
+  std::vector<float> cut_size, visibility_fraction;  ///< of the receiver's slice, else empty
+};
+
+/// Adds counters and times to `stats`.
+using Method = std::function<MethodResult(const FrameView&, const MethodParams&, Progress&, RenderStats&)>;
+
+struct MethodInfo {
+  std::string name, summary, source;
+  Method render;  ///< empty for `path`, which has no virtual lights
+};
+/// All methods, in the order of the documentation.
+const std::vector<MethodInfo>& all_methods();
+/// @throws Error (usage) that lists the names.
+const MethodInfo& find_method(const std::string& name);
+
+MethodResult render_bamc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
+MethodResult render_slice_lightcuts(const FrameView&, const MethodParams&, Progress&, RenderStats&);
+MethodResult render_brute_force(const FrameView&, const MethodParams&, Progress&, RenderStats&);
+
+}  // namespace myrialux

@@ -1,0 +1,53 @@
+// Drives one method over a frame: scene in, picture and numbers out.
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "myrialux/film/film.h"
+#include "myrialux/methods/render.h"
+
+namespace myrialux {
+
+struct RenderParams {
+  std::string method = "bamc";
+  int width = 0, height = 0;  ///< 0: as the scene says
+  int spp = 0;                ///< 0: 4 (many-light methods) or the scene's (path)
+  std::uint64_t n_lights = 100000;
+  std::uint32_t n_clusters = 1000;
+  int max_depth = 0;  ///< 0: as the scene says; -1: no limit
+  enum class Direct { vpl, sampled } direct = Direct::sampled;
+  float clamp = 0.02f;   ///< fraction of the robust scene radius; 0 = off
+  bool residual = true;  ///< add what virtual lights cannot carry (see transport/paths.h)
+  int passes = 1;
+  std::uint64_t seed = 0;
+  int threads = 0;                           ///< 0: all available
+  std::uint64_t memory_limit = 0;            ///< bytes; 0: none
+  std::string lights_file;                   ///< read instead of traced
+  std::map<std::string, std::string> extra;  ///< -D key=value
+  Filter filter;                             ///< used if has_filter, else the scene's
+  bool has_filter = false;
+  std::vector<std::string> aovs;  ///< empty: all of albedo normal depth slice cut visibility
+};
+
+struct RenderOutput {
+  Picture picture;
+  RenderStats stats;
+  Metadata metadata;
+};
+
+/// @throws Error (usage: unknown method or key; input; limit: predicted memory above the limit, naming a smaller
+/// setting)
+RenderOutput render(const Scene& scene, const RenderParams& params, Progress& progress);
+
+/// Half the diagonal of the box that holds the middle 96 % of the receivers along each axis: a scene size that one far
+/// ground plane does not spoil.
+float robust_radius(const Receivers& receivers);
+
+/// Name, default and meaning of every -D key, for --help and docs.
+struct ParameterInfo {
+  std::string key, value, meaning;
+};
+std::vector<ParameterInfo> parameter_table();
+
+}  // namespace myrialux

@@ -1,0 +1,61 @@
+// Rows of the light matrix: where camera paths first meet a surface that is not a mirror. [wang20, 4.2]
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "myrialux/base/progress.h"
+#include "myrialux/base/rng.h"
+#include "myrialux/transport/paths.h"
+
+namespace myrialux {
+
+/// All arrays have length size(). About 90 bytes a receiver.
+struct Receivers {
+  std::vector<Vec3> p;        ///< on the surface
+  std::vector<float> offset;  ///< see SurfacePoint::offset
+  std::vector<Vec3> ng, n;    ///< geometric and shading normal, both on the side of wo (see flipped for two-sided)
+  std::vector<Vec3> wo;       ///< unit, towards where the camera path came from
+  std::vector<BsdfParams> bsdf;
+  std::vector<Rgb> beta;              ///< path weight from the camera, choice of lobes included
+  std::vector<std::uint32_t> sample;  ///< camera sample it belongs to: pixel * spp + k
+  std::vector<std::uint8_t> depth;    ///< path edges from the camera to here, >= 1
+  std::vector<std::uint8_t> inside;   ///< 1: seen from the back of a one-sided (refracting) material: local wo.z < 0
+  std::size_t size() const { return p.size(); }
+  void reserve(std::size_t n);
+};
+
+/// What a camera sample saw on its way, for film and AOVs; indexed by camera sample.
+struct CameraSamples {
+  int width = 0, height = 0, spp = 0;
+  std::vector<Vec2> position;  ///< on the film, pixels from the top left
+  std::vector<Rgb> emission;   ///< emission and environment seen directly or through sharp lobes, weighted
+  std::vector<Rgb> albedo;     ///< at the first hit
+  std::vector<Vec3> normal;    ///< at the first hit, world; 0 for none
+  std::vector<float> depth;    ///< distance to the first hit, infinity for none
+  std::size_t size() const { return position.size(); }
+};
+
+struct ReceiverParams {
+  int width = 0, height = 0, spp = 1;
+  RandomKey key;
+};
+
+struct ReceiverResult {
+  Receivers receivers;  ///< ordered by camera sample; at most one a sample
+  CameraSamples samples;
+  std::uint64_t camera_rays = 0;
+  std::uint64_t inside_walls = 0;  ///< first hits that show the back of a one-sided surface: camera inside a wall?
+};
+
+/// Stratified camera samples, followed through sharp lobes to the first vertex where the wide lobes are chosen.
+/// At a vertex with both kinds one is chosen with sharp_probability(). Same bits for any number of threads.
+ReceiverResult trace_receivers(const World& world, const ReceiverParams& params, Progress& progress);
+
+/// Ray through film position (pixels); direction unit.
+Ray camera_ray(const Camera& camera, int width, int height, Vec2 position);
+
+/// The receiver as a path vertex again (BSDF rebuilt), for next-event and residual estimates.
+Vertex receiver_vertex(const World& world, const Receivers& receivers, std::size_t i);
+
+}  // namespace myrialux

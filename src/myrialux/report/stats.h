@@ -1,0 +1,44 @@
+// What a render did, counted; written as stats.json (contract: keys grow, never change their meaning).
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace myrialux {
+
+struct RenderStats {
+  std::string scene, method;
+  std::map<std::string, std::string> parameters;
+  std::uint64_t seed = 0;
+  int threads = 1;
+  std::string isa, device = "cpu";
+  std::uint64_t receivers = 0, virtual_lights = 0, slices = 0, passes = 0;
+  double clusters_mean = 0;
+  struct Visibility {
+    std::uint64_t entries = 0, traced = 0, fully_sampled_columns = 0, verified_columns = 0;
+    double false_visible_estimate = -1, false_occluded_estimate = -1;  ///< -1: not measured (null in the file)
+  } visibility;
+  struct Rays {
+    std::uint64_t camera = 0, light = 0, shadow = 0, compensation = 0;
+  } rays;
+  /// Wall seconds by stage: load build receivers lights cluster visibility complete shade film total. Stages that run
+  /// side by side in slices share the wall time of their loop in proportion to their CPU time.
+  std::map<std::string, double> time_s;
+  struct Memory {
+    std::uint64_t peak_rss = 0, scene = 0, slices_peak = 0;
+  } memory;
+  double error_estimate = -1, error_confidence = -1;  ///< -1: not measured
+  double clamped_energy_fraction = -1;
+  std::vector<std::string> warnings;
+};
+
+/// The JSON text, keys as in docs/formats.md.
+std::string to_json(const RenderStats& stats);
+/// Bytes of memory this process used at most so far.
+std::uint64_t peak_rss_bytes();
+/// Writes text beside the target and renames. @throws Error (output)
+void write_text_file(const std::string& path, const std::string& text);
+
+}  // namespace myrialux

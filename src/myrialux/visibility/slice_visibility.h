@@ -1,0 +1,37 @@
+// The true bits of one slice: active entries from geometry, traced bits from Embree in packets of 16 adjacent rows.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "myrialux/clusters/cut.h"
+#include "myrialux/matrix/entry_source.h"
+#include "myrialux/trace/tracer.h"
+
+namespace myrialux {
+
+/// Entry source over a slice; rows in slice order, columns as the cut gave them, groups = octants.
+class SliceVisibility final : public EntrySource {
+ public:
+  /// @param cull false: all rows of all columns count as active (the published form)
+  SliceVisibility(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
+                  const VirtualLights& lights, std::span<const Column> columns, bool cull);
+  ~SliceVisibility() override;
+  std::size_t n_rows() const override;
+  std::size_t n_columns() const override;
+  Words active(std::size_t j) const override;
+  std::size_t n_groups() const override;
+  std::size_t group_end(std::size_t g) const override;
+  void trace(std::size_t j, Words wanted, MutableWords visible) override;
+  const BitMatrix& active_matrix() const;
+  std::uint64_t rays() const;  ///< shadow rays so far
+  std::size_t memory_bytes() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace myrialux
