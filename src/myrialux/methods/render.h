@@ -16,10 +16,9 @@ namespace myrialux {
 struct MethodParams {
   SliceParams slices;
   LightTreeParams tree;
-  CutParams cut;
+  CutParams cut;             ///< its clamp_distance is the clamp of bounds and shading alike
   BamcParams bamc;
   bool bamc_cull = true;     ///< -D bamc.cull=false: trace entries whose transfer is zero, too (as published)
-  float clamp_distance = 0;  ///< scene units; set from --clamp times the robust scene radius
   RandomKey key;
 };
 

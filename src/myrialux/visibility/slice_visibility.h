@@ -27,6 +27,7 @@ class SliceVisibility final : public EntrySource {
   void trace(std::size_t j, Words wanted, MutableWords visible) override;
   const BitMatrix& active_matrix() const;
   std::uint64_t rays() const;  ///< shadow rays so far
+  double trace_seconds() const;  ///< CPU time spent in trace() so far
   std::size_t memory_bytes() const;
 
  private:

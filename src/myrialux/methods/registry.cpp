@@ -1,0 +1,28 @@
+// The list of methods that --method knows.
+#include "myrialux/base/error.h"
+#include "myrialux/methods/render.h"
+
+namespace myrialux {
+
+const std::vector<MethodInfo>& all_methods() {
+  static const std::vector<MethodInfo> methods = {
+      {"bamc", "slices, slice lightcut, boolean adaptive matrix completion", "Wang and Holzschuch 2020, section 4",
+       render_bamc},
+      {"slice-lightcuts", "the same slices and cuts, every shadow ray traced", "Wang and Holzschuch 2020, section 5.3.4",
+       render_slice_lightcuts},
+      {"brute-force", "every receiver, every virtual light, every ray", "-", render_brute_force},
+      {"path", "path tracer with next-event estimation and multiple importance sampling", "-", {}},
+  };
+  return methods;
+}
+
+const MethodInfo& find_method(const std::string& name) {
+  std::string names;
+  for (const MethodInfo& m : all_methods()) {
+    if (m.name == name) return m;
+    names += (names.empty() ? "" : ", ") + m.name;
+  }
+  throw Error(ErrorKind::usage, "unknown method '" + name + "'; known: " + names);
+}
+
+}  // namespace myrialux

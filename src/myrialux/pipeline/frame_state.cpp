@@ -1,0 +1,84 @@
+// Sums of a frame over its passes, and the picture made of them.
+#include "myrialux/pipeline/frame_state.h"
+
+#include <algorithm>
+
+#include "myrialux/base/parallel.h"
+
+namespace myrialux {
+
+FrameState::FrameState(int width, int height, const Filter& filter)
+    : width_(width), height_(height), filter_(filter), pixels_(std::size_t(width) * std::size_t(height)) {
+  sum_rgb_.resize(3 * pixels_.size());
+  weight_.resize(pixels_.size());
+}
+
+void FrameState::add_pass(const CameraSamples& samples, const Receivers& receivers, std::span<const Rgb> radiance,
+                          const MethodResult& method) {
+  accumulate(samples.position, radiance, width_, height_, samples.spp, filter_, sum_rgb_, weight_);
+  const std::size_t spp = static_cast<std::size_t>(samples.spp);
+  parallel_for(
+      pixels_.size(),
+      [&](std::size_t i) {
+        PixelSums& pixel = pixels_[i];
+        for (std::size_t k = i * spp; k < (i + 1) * spp; ++k) {
+          const Rgb albedo = samples.albedo[k];
+          const Vec3 normal = samples.normal[k];
+          pixel.albedo[0] += albedo.r, pixel.albedo[1] += albedo.g, pixel.albedo[2] += albedo.b;
+          pixel.normal[0] += normal.x, pixel.normal[1] += normal.y, pixel.normal[2] += normal.z;
+          ++pixel.n_samples;
+          if (samples.depth[k] < kInfinity) pixel.depth += samples.depth[k], ++pixel.n_hits;
+        }
+      },
+      4096);
+  if (method.slice.empty()) return;
+  has_slices_ = true;
+  for (std::size_t i = 0; i < receivers.size(); ++i) {
+    PixelSums& pixel = pixels_[receivers.sample[i] / spp];
+    if (pixel.slice < 0) pixel.slice = static_cast<float>(method.slice[i]);
+    pixel.cut += method.cut_size[i], pixel.visibility += method.visibility_fraction[i];
+    ++pixel.n_receivers;
+  }
+}
+
+Picture FrameState::picture(const std::vector<std::string>& aovs) const {
+  Picture picture;
+  picture.width = width_, picture.height = height_;
+  // Pixel by pixel: `fill(pixel, out)` writes the layer's channels.
+  const auto add = [&](const std::string& name, std::vector<std::string> channels, auto&& fill) {
+    const std::size_t n = channels.size();
+    Picture::Layer& layer = picture.add_layer(name, std::move(channels));
+    for (std::size_t i = 0; i < pixels_.size(); ++i) fill(i, pixels_[i], layer.pixels.data() + n * i);
+  };
+  const auto wanted = [&](const char* name) {
+    return aovs.empty() || std::find(aovs.begin(), aovs.end(), name) != aovs.end();
+  };
+  const auto mean = [](double sum, std::uint32_t n) { return n > 0 ? static_cast<float>(sum / n) : 0.0f; };
+
+  add("", {"R", "G", "B"}, [&](std::size_t i, const PixelSums&, float* out) {
+    // Filters with negative lobes can cancel where few samples fall; such a pixel has no defined value.
+    for (int c = 0; c < 3; ++c)
+      out[c] = weight_[i] != 0 ? static_cast<float>(sum_rgb_[3 * i + std::size_t(c)] / weight_[i]) : 0.0f;
+  });
+  if (wanted("albedo"))
+    add("albedo", {"R", "G", "B"}, [&](std::size_t, const PixelSums& p, float* out) {
+      for (int c = 0; c < 3; ++c) out[c] = mean(p.albedo[c], p.n_samples);
+    });
+  if (wanted("normal"))
+    add("normal", {"X", "Y", "Z"}, [&](std::size_t, const PixelSums& p, float* out) {
+      for (int c = 0; c < 3; ++c) out[c] = mean(p.normal[c], p.n_samples);
+    });
+  if (wanted("depth"))
+    add("depth", {"Z"}, [&](std::size_t, const PixelSums& p, float* out) { out[0] = mean(p.depth, p.n_hits); });
+  if (!has_slices_) return picture;
+  if (wanted("slice"))
+    add("slice", {"id"}, [&](std::size_t, const PixelSums& p, float* out) { out[0] = p.slice; });
+  if (wanted("cut"))
+    add("cut", {"size"}, [&](std::size_t, const PixelSums& p, float* out) { out[0] = mean(p.cut, p.n_receivers); });
+  if (wanted("visibility"))
+    add("visibility", {"fraction"},
+        [&](std::size_t, const PixelSums& p, float* out) { out[0] = mean(p.visibility, p.n_receivers); });
+  return picture;
+}
+
+}  // namespace myrialux

@@ -1,0 +1,124 @@
+// The -D keys: parsing, ranges and defaults in one table.
+#include "myrialux/pipeline/parameters.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <functional>
+
+namespace myrialux {
+namespace {
+
+struct Key {
+  std::string name, meaning;
+  std::function<std::string(const TunedParams&)> get;
+  std::function<void(TunedParams&, const std::string& text)> set;
+};
+
+[[noreturn]] void refuse(const std::string& key, const std::string& text, const std::string& allowed) {
+  throw Error(ErrorKind::usage, fmt::format("-D {}={}: allowed is {}", key, text, allowed));
+}
+
+/// @param member picks the float that the key sets; [low, high] is what it may be
+Key number_key(std::string name, float low, float high, std::string meaning,
+               std::function<float&(TunedParams&)> member) {
+  const auto set = [=](TunedParams& p, const std::string& text) {
+    float value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !(value >= low && value <= high))
+      refuse(name, text, fmt::format("a number from {} to {}", low, high));
+    member(p) = value;
+  };
+  const auto get = [=](const TunedParams& p) { return fmt::format("{}", member(const_cast<TunedParams&>(p))); };
+  return {name, std::move(meaning), get, set};
+}
+
+Key count_key(std::string name, std::uint32_t low, std::uint32_t high, std::string meaning,
+              std::function<std::uint32_t&(TunedParams&)> member) {
+  const auto set = [=](TunedParams& p, const std::string& text) {
+    std::uint32_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || value < low || value > high)
+      refuse(name, text, fmt::format("a whole number from {} to {}", low, high));
+    member(p) = value;
+  };
+  const auto get = [=](const TunedParams& p) { return std::to_string(member(const_cast<TunedParams&>(p))); };
+  return {name, std::move(meaning), get, set};
+}
+
+Key switch_key(std::string name, std::string meaning, std::function<bool&(TunedParams&)> member) {
+  const auto set = [=](TunedParams& p, const std::string& text) {
+    if (text != "true" && text != "false") refuse(name, text, "true or false");
+    member(p) = text == "true";
+  };
+  const auto get = [=](const TunedParams& p) {
+    return member(const_cast<TunedParams&>(p)) ? std::string("true") : std::string("false");
+  };
+  return {name, std::move(meaning), get, set};
+}
+
+const std::vector<Key>& keys() {
+  using P = TunedParams;
+  static const std::vector<Key> table = {
+      count_key("slices.rows", 16, 65536, "receivers a slice at most",
+                [](P& p) -> auto& { return p.method.slices.max_rows; }),
+      number_key("slices.normal_weight", 0, 100, "weight of normals in slices and light tree, times the scene radius",
+                 [](P& p) -> auto& { return p.method.slices.normal_weight; }),
+      count_key("cut.points", 0, 65536, "receivers of a slice at which cluster errors are bounded; 0 = all",
+                [](P& p) -> auto& { return p.method.cut.n_points; }),
+      number_key("bamc.alpha", 0, 1, "share of a column's rows sampled at first",
+                 [](P& p) -> auto& { return p.method.bamc.alpha; }),
+      number_key("bamc.beta", 0, 1, "share verified; added to alpha when a column fails",
+                 [](P& p) -> auto& { return p.method.bamc.beta; }),
+      number_key("bamc.omega", 0, 1, "largest alpha", [](P& p) -> auto& { return p.method.bamc.omega; }),
+      switch_key("bamc.importance", "sample rows where earlier columns changed; false: uniformly",
+                 [](P& p) -> auto& { return p.method.bamc.importance; }),
+      switch_key("bamc.adaptive", "raise alpha after a failed verification; false: keep it",
+                 [](P& p) -> auto& { return p.method.bamc.adaptive; }),
+      switch_key("bamc.cull", "leave out entries whose transfer is zero; false: trace them too, as published",
+                 [](P& p) -> auto& { return p.method.bamc_cull; }),
+      number_key("sharp_alpha", 0, 1, "roughness up to which gloss is followed by rays instead of joined to lights",
+                 [](P& p) -> auto& { return p.sharp_alpha; }),
+  };
+  return table;
+}
+
+/// Edits (insert, delete, replace) between two words.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replace = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replace});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+void apply_extra(const std::map<std::string, std::string>& extra, TunedParams& params) {
+  for (const auto& [name, text] : extra) {
+    const auto it = std::find_if(keys().begin(), keys().end(), [&](const Key& k) { return k.name == name; });
+    if (it == keys().end()) {
+      const auto nearest = std::min_element(keys().begin(), keys().end(), [&](const Key& a, const Key& b) {
+        return edit_distance(a.name, name) < edit_distance(b.name, name);
+      });
+      throw Error(ErrorKind::usage, fmt::format("-D {}: no such key; did you mean {}?", name, nearest->name));
+    }
+    it->set(params, text);
+  }
+  params.method.tree.normal_weight = params.method.slices.normal_weight;
+}
+
+std::vector<ParameterInfo> parameter_table() {
+  std::vector<ParameterInfo> table;
+  for (const Key& k : keys()) table.push_back({k.name, k.get(TunedParams{}), k.meaning});
+  return table;
+}
+
+}  // namespace myrialux
