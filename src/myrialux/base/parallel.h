@@ -3,6 +3,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <cstddef>
 
@@ -33,6 +34,12 @@ void parallel_for(std::size_t n, const Body& body, std::size_t grain = 1) {
     throw_if_cancelled();
     for (std::size_t i = r.begin(); i != r.end(); ++i) body(i);
   });
+}
+
+/// Runs a() and b(), on two threads if one is free: the two halves of a recursion.
+template <class A, class B>
+void parallel_invoke(const A& a, const B& b) {
+  tbb::parallel_invoke(a, b);
 }
 
 }  // namespace myrialux

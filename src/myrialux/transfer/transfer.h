@@ -11,8 +11,15 @@ namespace myrialux {
 Rgb transfer(const World& world, const Receivers& receivers, ReceiverId i, const VirtualLights& lights, LightId j,
              float clamp_distance);
 
-/// False where the entry is zero whatever the clamping: a cosine at or below 0. Such entries are "don't care".
-bool is_active(const Receivers& receivers, ReceiverId i, const VirtualLights& lights, LightId j);
+/// False where the entry is zero whatever the clamping; such entries are "don't care". Active means, with the
+/// direction d = p_light - p_receiver (not normalised; distant lights: -n):
+///   receiver: d . ng and d . n have the same sign, both positive unless its BSDF lets light through;
+///   light, oriented or glossy: the same of -d with the light's ng and n; spot: within its cone; point, distant:
+///   always.
+bool is_active(const World& world, const Receivers& receivers, ReceiverId i, const VirtualLights& lights, LightId j);
+
+/// Whether wide lobes carry light from one side of the surface to the other (rough glass).
+bool transmits(const World& world, const BsdfParams& bsdf);
 
 /// Both ends of the shadow segment of an entry, off their surfaces. Distant lights: `to` is a direction.
 struct Segment {
