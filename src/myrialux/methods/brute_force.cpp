@@ -11,8 +11,8 @@ MethodResult render_brute_force(const FrameView& frame, const MethodParams& para
   MethodResult result;
   result.radiance.resize(frame.receivers.size());
   Stopwatch wall;
-  const BruteForceCounters counters = brute_force(frame.world, frame.receivers, frame.lights,
-                                                  params.cut.clamp_distance, result.radiance, progress);
+  const BruteForceCounters counters =
+      brute_force(frame.world, frame.receivers, frame.lights, params.cut.clamp_distance, result.radiance, progress);
   stats.time_s["visibility"] += wall.lap();
   stats.visibility.entries += counters.entries;
   stats.visibility.traced += counters.traced;

@@ -8,8 +8,8 @@ const std::vector<MethodInfo>& all_methods() {
   static const std::vector<MethodInfo> methods = {
       {"bamc", "slices, slice lightcut, boolean adaptive matrix completion", "Wang and Holzschuch 2020, section 4",
        render_bamc},
-      {"slice-lightcuts", "the same slices and cuts, every shadow ray traced", "Wang and Holzschuch 2020, section 5.3.4",
-       render_slice_lightcuts},
+      {"slice-lightcuts", "the same slices and cuts, every shadow ray traced",
+       "Wang and Holzschuch 2020, section 5.3.4", render_slice_lightcuts},
       {"brute-force", "every receiver, every virtual light, every ray", "-", render_brute_force},
       {"path", "path tracer with next-event estimation and multiple importance sampling", "-", {}},
   };

@@ -16,9 +16,9 @@ namespace myrialux {
 struct MethodParams {
   SliceParams slices;
   LightTreeParams tree;
-  CutParams cut;             ///< its clamp_distance is the clamp of bounds and shading alike
+  CutParams cut;  ///< its clamp_distance is the clamp of bounds and shading alike
   BamcParams bamc;
-  bool bamc_cull = true;     ///< -D bamc.cull=false: trace entries whose transfer is zero, too (as published)
+  bool bamc_cull = true;  ///< -D bamc.cull=false: trace entries whose transfer is zero, too (as published)
   RandomKey key;
 };
 

@@ -44,8 +44,7 @@ MethodResult render_slices(const FrameView& frame, const MethodParams& params, b
     SliceReport& report = reports[s];
     const std::span<const ReceiverId> rows = slices.rows(s);
     ThreadStopwatch cpu;
-    const std::vector<Column> columns =
-        light_cut(frame.world, receivers, rows, frame.lights, tree, params.cut);
+    const std::vector<Column> columns = light_cut(frame.world, receivers, rows, frame.lights, tree, params.cut);
     report.cut_s = cpu.lap();
 
     SliceVisibility source(frame.world, receivers, rows, frame.lights, columns, cull);

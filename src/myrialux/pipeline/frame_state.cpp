@@ -71,8 +71,7 @@ Picture FrameState::picture(const std::vector<std::string>& aovs) const {
   if (wanted("depth"))
     add("depth", {"Z"}, [&](std::size_t, const PixelSums& p, float* out) { out[0] = mean(p.depth, p.n_hits); });
   if (!has_slices_) return picture;
-  if (wanted("slice"))
-    add("slice", {"id"}, [&](std::size_t, const PixelSums& p, float* out) { out[0] = p.slice; });
+  if (wanted("slice")) add("slice", {"id"}, [&](std::size_t, const PixelSums& p, float* out) { out[0] = p.slice; });
   if (wanted("cut"))
     add("cut", {"size"}, [&](std::size_t, const PixelSums& p, float* out) { out[0] = mean(p.cut, p.n_receivers); });
   if (wanted("visibility"))

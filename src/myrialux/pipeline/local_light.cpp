@@ -23,9 +23,8 @@ PathCounters add_local_light(const World& world, const Receivers& receivers, con
       }
       if (params.residual) {
         Rng rng(params.key, Stage::residual, receivers.sample[i]);
-        const ResidualParams residual{.clamp_distance = params.clamp_distance,
-                                      .direct_by_sampling = params.direct,
-                                      .depth = receivers.depth[i]};
+        const ResidualParams residual{
+            .clamp_distance = params.clamp_distance, .direct_by_sampling = params.direct, .depth = receivers.depth[i]};
         radiance[i] += residual_radiance(world, vertex, residual, rng, counters[block]);
       }
     }

@@ -61,25 +61,35 @@ Key switch_key(std::string name, std::string meaning, std::function<bool&(TunedP
 const std::vector<Key>& keys() {
   using P = TunedParams;
   static const std::vector<Key> table = {
-      count_key("slices.rows", 16, 65536, "receivers a slice at most",
-                [](P& p) -> auto& { return p.method.slices.max_rows; }),
-      number_key("slices.normal_weight", 0, 100, "weight of normals in slices and light tree, times the scene radius",
-                 [](P& p) -> auto& { return p.method.slices.normal_weight; }),
-      count_key("cut.points", 0, 65536, "receivers of a slice at which cluster errors are bounded; 0 = all",
-                [](P& p) -> auto& { return p.method.cut.n_points; }),
-      number_key("bamc.alpha", 0, 1, "share of a column's rows sampled at first",
-                 [](P& p) -> auto& { return p.method.bamc.alpha; }),
-      number_key("bamc.beta", 0, 1, "share verified; added to alpha when a column fails",
-                 [](P& p) -> auto& { return p.method.bamc.beta; }),
-      number_key("bamc.omega", 0, 1, "largest alpha", [](P& p) -> auto& { return p.method.bamc.omega; }),
-      switch_key("bamc.importance", "sample rows where earlier columns changed; false: uniformly",
-                 [](P& p) -> auto& { return p.method.bamc.importance; }),
-      switch_key("bamc.adaptive", "raise alpha after a failed verification; false: keep it",
-                 [](P& p) -> auto& { return p.method.bamc.adaptive; }),
-      switch_key("bamc.cull", "leave out entries whose transfer is zero; false: trace them too, as published",
-                 [](P& p) -> auto& { return p.method.bamc_cull; }),
-      number_key("sharp_alpha", 0, 1, "roughness up to which gloss is followed by rays instead of joined to lights",
-                 [](P& p) -> auto& { return p.sharp_alpha; }),
+      count_key(
+          "slices.rows", 16, 65536, "receivers a slice at most",
+          [](P & p) -> auto& { return p.method.slices.max_rows; }),
+      number_key(
+          "slices.normal_weight", 0, 100, "weight of normals in slices and light tree, times the scene radius",
+          [](P & p) -> auto& { return p.method.slices.normal_weight; }),
+      count_key(
+          "cut.points", 0, 65536, "receivers of a slice at which cluster errors are bounded; 0 = all",
+          [](P & p) -> auto& { return p.method.cut.n_points; }),
+      number_key(
+          "bamc.alpha", 0, 1, "share of a column's rows sampled at first",
+          [](P & p) -> auto& { return p.method.bamc.alpha; }),
+      number_key(
+          "bamc.beta", 0, 1, "share verified; added to alpha when a column fails",
+          [](P & p) -> auto& { return p.method.bamc.beta; }),
+      number_key(
+          "bamc.omega", 0, 1, "largest alpha", [](P & p) -> auto& { return p.method.bamc.omega; }),
+      switch_key(
+          "bamc.importance", "sample rows where earlier columns changed; false: uniformly",
+          [](P & p) -> auto& { return p.method.bamc.importance; }),
+      switch_key(
+          "bamc.adaptive", "raise alpha after a failed verification; false: keep it",
+          [](P & p) -> auto& { return p.method.bamc.adaptive; }),
+      switch_key(
+          "bamc.cull", "leave out entries whose transfer is zero; false: trace them too, as published",
+          [](P & p) -> auto& { return p.method.bamc_cull; }),
+      number_key(
+          "sharp_alpha", 0, 1, "roughness up to which gloss is followed by rays instead of joined to lights",
+          [](P & p) -> auto& { return p.sharp_alpha; }),
   };
   return table;
 }

@@ -144,8 +144,8 @@ VirtualLights read_or_trace(const World& world, const Settings& settings, Random
     if (!direct) remove_direct(lights);
     return lights;
   }
-  LightResult traced = trace_lights(world, {.n_lights = settings.render.n_lights, .direct = direct, .key = key},
-                                    progress);
+  LightResult traced =
+      trace_lights(world, {.n_lights = settings.render.n_lights, .direct = direct, .key = key}, progress);
   stats.rays.light += traced.light_rays;
   return std::move(traced.lights);
 }
@@ -158,8 +158,8 @@ void render_pass(const World& world, const Settings& settings, int pass, FrameSt
   Stopwatch wall;
 
   // Rows and columns of the light matrix.
-  ReceiverResult rows = trace_receivers(
-      world, {.width = params.width, .height = params.height, .spp = params.spp, .key = key}, progress);
+  ReceiverResult rows =
+      trace_receivers(world, {.width = params.width, .height = params.height, .spp = params.spp, .key = key}, progress);
   const Receivers& receivers = rows.receivers;
   stats.rays.camera += rows.camera_rays;
   stats.receivers += receivers.size();
@@ -173,8 +173,8 @@ void render_pass(const World& world, const Settings& settings, int pass, FrameSt
   method_params.key = method_params.tree.key = key;
   method_params.cut.clamp_distance = params.clamp * robust_radius(receivers);
   const float scene_radius = 0.5f * world.scene.bounds().diagonal();
-  MethodResult result = find_method(params.method)
-                            .render({world, receivers, lights, scene_radius}, method_params, progress, stats);
+  MethodResult result =
+      find_method(params.method).render({world, receivers, lights, scene_radius}, method_params, progress, stats);
   wall.lap();
 
   // What virtual lights leave out, by rays of each receiver's own.

@@ -1,0 +1,142 @@
+// Slice methods against brute force on the same receivers and lights: exact where the approximation is off.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "myrialux/base/parallel.h"
+#include "myrialux/methods/render.h"
+#include "support/build_scene.h"
+
+namespace myrialux {
+namespace {
+
+/// Receivers and lights of a small frame, traced once.
+struct Fixture {
+  Scene scene;
+  Tracer tracer;
+  Emitters emitters;
+  World world;
+  Receivers receivers;
+  VirtualLights lights;
+  MethodParams params;
+
+  Fixture(Scene s, std::uint64_t n_lights, int size)
+      : scene(std::move(s)),
+        tracer(scene),
+        emitters(scene, tracer.bounds()),
+        world{.scene = scene, .tracer = tracer, .emitters = emitters, .max_depth = -1} {
+    Progress silent;
+    receivers = trace_receivers(world, {.width = size, .height = size, .spp = 1, .key = {3}}, silent).receivers;
+    lights = trace_lights(world, {.n_lights = n_lights, .direct = true, .key = {3}}, silent).lights;
+    params.cut.clamp_distance = 0.05f;
+    params.key = params.tree.key = {3};
+  }
+  MethodResult run(const char* method, RenderStats& stats) const {
+    Progress silent;
+    const float radius = 0.5f * scene.bounds().diagonal();
+    return find_method(method).render({world, receivers, lights, radius}, params, silent, stats);
+  }
+  MethodResult run(const char* method) const {
+    RenderStats stats;
+    return run(method, stats);
+  }
+};
+
+/// Root mean square difference over the mean of the reference, luminance.
+double relative_rmse(const std::vector<Rgb>& reference, const std::vector<Rgb>& image) {
+  double squares = 0, sum = 0;
+  for (std::size_t i = 0; i < reference.size(); ++i) {
+    const double d = luminance(image[i]) - luminance(reference[i]);
+    squares += d * d, sum += luminance(reference[i]);
+  }
+  const double n = static_cast<double>(reference.size());
+  return std::sqrt(squares / n) / (sum / n);
+}
+
+TEST(SliceMethods, OneLightPerClusterEqualsBruteForce) {
+  Fixture f(test::cornell_box(), 300, 24);
+  f.params.cut.n_clusters = 100000;
+  // Sums of 300 terms in another order: each side is off by at most 300 ulps of the sum of magnitudes.
+  EXPECT_LT(relative_rmse(f.run("brute-force").radiance, f.run("slice-lightcuts").radiance), 300 * 6e-8);
+}
+
+TEST(SliceMethods, OneLightPerClusterEqualsBruteForceOnGlossyFloor) {
+  Fixture f(test::glossy_floor_box(0.3f), 300, 24);
+  f.params.cut.n_clusters = 100000;
+  // The kernels' rational approximations add to the order of summation; their bound is tested in tests/shading.
+  EXPECT_LT(relative_rmse(f.run("brute-force").radiance, f.run("slice-lightcuts").radiance), 1e-4);
+}
+
+TEST(SliceMethods, CompletionThatSamplesEverythingEqualsFullVisibility) {
+  Fixture f(test::cornell_box(), 2000, 40);
+  f.params.cut.n_clusters = 200;
+  f.params.bamc.alpha = f.params.bamc.omega = 1;
+  EXPECT_EQ(f.run("bamc").radiance, f.run("slice-lightcuts").radiance);
+}
+
+TEST(SliceMethods, CompletionStaysNearFullVisibilityWithFewerRays) {
+  Fixture f(test::cornell_box(), 20000, 96);
+  f.params.cut.n_clusters = 500;
+  RenderStats stats;
+  const MethodResult completed = f.run("bamc", stats);
+  EXPECT_LT(relative_rmse(f.run("slice-lightcuts").radiance, completed.radiance), 0.02);
+  EXPECT_LT(stats.visibility.traced, stats.visibility.entries / 2);
+  EXPECT_EQ(stats.rays.shadow, stats.visibility.traced);
+}
+
+TEST(SliceMethods, PublishedFormTracesZeroTransferToo) {
+  Fixture f(test::cornell_box(), 2000, 40);
+  f.params.cut.n_clusters = 200;
+  RenderStats culled, published;
+  f.run("bamc", culled);
+  f.params.bamc_cull = false;
+  f.run("bamc", published);
+  EXPECT_LT(culled.visibility.entries, published.visibility.entries);
+}
+
+TEST(SliceMethods, ErrorFallsAsClustersGrow) {
+  const Fixture base(test::cornell_box(), 5000, 32);
+  const std::vector<Rgb> truth = base.run("brute-force").radiance;
+  double last = 1e9;
+  for (const std::uint32_t n : {30u, 120u, 500u, 2000u}) {
+    Fixture f(test::cornell_box(), 5000, 32);
+    f.params.cut.n_clusters = n;
+    const double error = relative_rmse(truth, f.run("slice-lightcuts").radiance);
+    EXPECT_LT(error, last) << n << " clusters";
+    last = error;
+  }
+  EXPECT_LT(last, 0.02);
+}
+
+TEST(SliceMethods, SameBitsForAnyNumberOfThreads) {
+  const Fixture f(test::glossy_floor_box(0.3f), 3000, 48);
+  for (const char* method : {"bamc", "slice-lightcuts", "brute-force"}) {
+    std::vector<Rgb> first;
+    for (const int n_threads : {1, 2, 7}) {
+      const ThreadScope threads(n_threads);
+      const std::vector<Rgb> radiance = f.run(method).radiance;
+      if (first.empty()) first = radiance;
+      EXPECT_EQ(radiance, first) << method << " with " << n_threads << " threads";
+    }
+  }
+}
+
+TEST(SliceMethods, NoLightsGiveBlack) {
+  Fixture f(test::cornell_box(), 100, 8);
+  f.lights = VirtualLights{};
+  for (const char* method : {"bamc", "slice-lightcuts", "brute-force"})
+    for (const Rgb& c : f.run(method).radiance) EXPECT_TRUE(is_black(c)) << method;
+}
+
+TEST(Methods, UnknownNameListsTheKnown) {
+  try {
+    find_method("bmac");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::usage);
+    EXPECT_STREQ(e.what(), "unknown method 'bmac'; known: bamc, slice-lightcuts, brute-force, path");
+  }
+}
+
+}  // namespace
+}  // namespace myrialux
