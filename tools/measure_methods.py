@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""Measures the methods against each other on scenes; prints Markdown tables (docs/measurements.md holds a run's figures).
+
+    measure_methods.py PROGRAM completion SCENE.xml...   bamc against slice-lightcuts with the same cuts
+    measure_methods.py PROGRAM clusters SCENE.xml...     both against brute-force on the same lights, by --clusters
+
+Only light from virtual lights counts (--direct vpl --residual off), so that a difference is the method's alone.
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import tempfile
+
+import numpy as np
+import OpenEXR
+
+
+def render(program, scene, method, folder, *options):
+    """Picture and stats of one run."""
+    image, stats = folder / "picture.exr", folder / "stats.json"
+    subprocess.run([program, "render", str(scene), "--method", method, "-o", str(image), "--stats", str(stats),
+                    "--direct", "vpl", "--residual", "off", "--filter", "box", "--progress", "none", *map(str, options)],
+                   check=True, stdout=subprocess.DEVNULL)
+    channels = OpenEXR.File(str(image), separate_channels=True).channels()
+    pixels = np.stack([channels[c].pixels for c in "RGB"], axis=-1).astype(float)
+    return pixels, json.loads(stats.read_text())
+
+
+def luminance(pixels):
+    return pixels @ np.array([0.212671, 0.715160, 0.072169])
+
+
+def relative_rmse(reference, picture):
+    reference, picture = luminance(reference), luminance(picture)
+    return float(np.sqrt(np.mean((picture - reference) ** 2)) / reference.mean())
+
+
+def completion(args, folder):
+    print("| scene | traced % of active | relative RMSE % | shadow rays/s, full (M) | visibility + complete s, full | bamc |")
+    print("|---|---|---|---|---|---|")
+    for scene in args.scenes:
+        common = ["--size", args.size, "--spp", 4, "--vpls", args.vpls, "--clusters", args.clusters]
+        full, full_stats = render(args.program, scene, "slice-lightcuts", folder, *common)
+        bamc, stats = render(args.program, scene, "bamc", folder, *common)
+        v, t, tf = stats["visibility"], stats["time_s"], full_stats["time_s"]
+        print(f"| {scene.parent.name} | {100 * v['fraction']:.1f} | {100 * relative_rmse(full, bamc):.2f} | "
+              f"{full_stats['rays']['shadow'] / tf['visibility'] / 1e6:.1f} | {tf['visibility'] + tf['complete']:.2f} | "
+              f"{t['visibility'] + t['complete']:.2f} |", flush=True)
+
+
+def clusters(args, folder):
+    counts = [125, 250, 500, 1000, 2000]
+    print("| scene | method | " + " | ".join(f"C = {c}" for c in counts) + " |")
+    print("|---|---|" + "---|" * len(counts))
+    for scene in args.scenes:
+        common = ["--size", args.size, "--spp", 1, "--vpls", args.vpls]
+        truth, _ = render(args.program, scene, "brute-force", folder, *common)
+        for method in ("slice-lightcuts", "bamc"):
+            errors = [relative_rmse(truth, render(args.program, scene, method, folder, *common, "--clusters", c)[0])
+                      for c in counts]
+            print(f"| {scene.parent.name} | {method} | " + " | ".join(f"{100 * e:.2f} %" for e in errors) + " |", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("what", choices=["completion", "clusters"])
+    parser.add_argument("scenes", type=pathlib.Path, nargs="+")
+    parser.add_argument("--size", default="640x360")
+    parser.add_argument("--vpls", type=int, default=100000)
+    parser.add_argument("--clusters", type=int, default=1000)
+    args = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        {"completion": completion, "clusters": clusters}[args.what](args, pathlib.Path(name))
+
+
+if __name__ == "__main__":
+    main()
