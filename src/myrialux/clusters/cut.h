@@ -2,6 +2,7 @@
 // Bounds after Lightcuts [walter05, 4]; shared by a slice as in [wang20, 4.3].
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -33,6 +34,15 @@ std::vector<Column> light_cut(const World& world, const Receivers& receivers, st
 /// Upper bound of the node's contribution to receiver i (luminance, beta not included), for tests and refinement.
 float cluster_bound(const World& world, const Receivers& receivers, ReceiverId i, const LightTree& tree,
                     std::uint32_t node, float clamp_distance);
+
+/// Mean position of a slice's rows, the centre that octants are seen from. [wang20, 4.5.2]
+inline Vec3 slice_centre(const Receivers& receivers, std::span<const ReceiverId> rows) {
+  double x = 0, y = 0, z = 0;
+  for (const ReceiverId i : rows)
+    x += receivers.p[index(i)].x, y += receivers.p[index(i)].y, z += receivers.p[index(i)].z;
+  const double share = 1 / static_cast<double>(std::max<std::size_t>(rows.size(), 1));
+  return {static_cast<float>(x * share), static_cast<float>(y * share), static_cast<float>(z * share)};
+}
 
 /// Octant (0..7) of the direction from the slice's centre to the light (directional: to where it comes from).
 std::uint32_t octant(Vec3 slice_centre, const VirtualLights& lights, LightId j);
