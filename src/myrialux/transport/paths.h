@@ -53,14 +53,16 @@ Rgb path_radiance(const World& world, Ray ray, int depth, Rng& rng, PathCounters
 Rgb reflected_radiance(const World& world, const Vertex& vertex, Lobes lobes, int depth, Rng& rng,
                        PathCounters& counters);
 
-/// Direct light at the vertex through `lobes` by one emitter sample (weight by MIS unless `mis` is false).
+/// Direct light at the vertex through `lobes` by one emitter sample (weight by MIS unless `mis` is false). Not asked
+/// for depth: call it only where one more edge is within max_depth (receivers are made only there).
 Rgb next_event(const World& world, const Vertex& vertex, Lobes lobes, bool mis, Rng& rng, PathCounters& counters);
 
 /// What virtual lights cannot carry to a receiver, estimated by one continued path (unbiased). The path leaves the
 /// vertex by its wide lobes and meets y:
 ///   - y's sharp lobes (mirror, glass, near-mirror): followed as a path tracer would, everything counts;
 ///   - y's wide lobes nearer than clamp_distance c: counted with 1 - d^2 / c^2, the part that clamping removed;
-///   - emission of y: by MIS with next_event if `direct_by_sampling`, else like wide lobes (clamped part only).
+///   - emission of y: by MIS with next_event if `direct_by_sampling`, else like wide lobes (clamped part only; an
+///     emitter sample helps, which also finds point emitters).
 /// @param clamp_distance 0 = virtual lights are not clamped
 /// @param depth edges from the camera to the vertex
 struct ResidualParams {

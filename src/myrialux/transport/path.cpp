@@ -1,0 +1,51 @@
+// The plain path tracer: emission, next-event estimation and BSDF sampling by multiple importance sampling [veach95].
+#include "myrialux/transport/walk.h"
+
+namespace myrialux {
+
+Rgb path_radiance(const World& world, Ray ray, int depth, Rng& rng, PathCounters& counters) {
+  CameraWalk walk;
+  walk.depth = depth;
+  return follow_path(world, ray, walk, rng, counters);
+}
+
+Rgb reflected_radiance(const World& world, const Vertex& vertex, Lobes lobes, int depth, Rng& rng,
+                       PathCounters& counters) {
+  if (!within_depth(world, depth + 1)) return {};
+  const Rgb direct = next_event(world, vertex, lobes, /*mis=*/true, rng, counters);
+  CameraWalk walk;
+  walk.depth = depth;
+  Ray ray;
+  if (!scatter(world, vertex, lobes, walk, ray, rng)) return direct;
+  return direct + follow_path(world, ray, walk, rng, counters);
+}
+
+Rgb next_event(const World& world, const Vertex& vertex, Lobes lobes, bool mis, Rng& rng, PathCounters& counters) {
+  const float u_pick = rng.next();
+  const Vec2 u{rng.next(), rng.next()};
+  return emitter_sample(world, vertex, lobes, {.mis = mis}, u_pick, u, counters);
+}
+
+Rgb emitter_sample(const World& world, const Vertex& vertex, Lobes lobes, const EmitterSampleParams& params,
+                   float u_pick, Vec2 u, PathCounters& counters) {
+  const auto light = world.emitters.sample_direct(vertex.surface.p, u_pick, u);
+  if (!light || !(light->pdf_omega > 0) || is_black(light->radiance)) return {};
+  float kept = 1;
+  if (params.clamp_distance > 0) {
+    if (light->is_distant || light->distance >= params.clamp_distance) return {};
+    kept = clamped_part(light->distance, params.clamp_distance);
+  }
+  const Vec3 wi = vertex.to_local(light->wi), wo = vertex.to_local(vertex.wo);
+  const Rgb f = evaluate(vertex.bsdf, wi, wo, lobes);
+  if (is_black(f)) return {};
+  ++counters.occlusion;
+  const SurfacePoint& s = vertex.surface;
+  const Vec3 from = offset_origin(s.p, s.ng, s.offset, light->wi);
+  if (light->is_distant ? world.tracer.occluded_direction(from, light->wi) : world.tracer.occluded(from, light->to))
+    return {};
+  const float weight =
+      params.mis && !light->is_delta ? mis_weight(light->pdf_omega, pdf_omega(vertex.bsdf, wi, wo, lobes)) : 1;
+  return f * light->radiance * (kept * weight / light->pdf_omega);
+}
+
+}  // namespace myrialux

@@ -1,0 +1,57 @@
+// One step of a camera path, shared by path tracing, receivers and residuals: emission met, and the next direction.
+#pragma once
+
+#include <optional>
+
+#include "myrialux/transport/paths.h"
+
+namespace myrialux {
+
+/// What a camera path carries from vertex to vertex.
+struct CameraWalk {
+  Rgb beta = gray(1);
+  float eta = 1;        ///< product of relative indices crossed, for Russian roulette
+  float pdf_omega = 0;  ///< density of the last bounce; 0: camera ray or delta bounce, seen emission counts fully
+  Vec3 from;            ///< where the last bounce started (meaningless while pdf_omega is 0)
+  int depth = 0;        ///< edges used so far
+};
+
+/// May a path of `edges` edges count?
+inline bool within_depth(const World& world, int edges) { return world.max_depth < 0 || edges <= world.max_depth; }
+
+/// Weight of the strategy with density a against one with density b: power heuristic [veach95]. a > 0.
+inline float mis_weight(float a, float b) {
+  const float r = b / a;
+  return 1 / (1 + r * r);
+}
+
+/// Part of the light from distance d that clamping the geometry term at c took away; c = 0: none.
+inline float clamped_part(float d, float c) { return d < c ? 1 - (d * d) / (c * c) : 0; }
+
+/// One emitter sample; with clamp_distance > 0 only what clamping removed counts.
+struct EmitterSampleParams {
+  bool mis = true;
+  float clamp_distance = 0;
+};
+Rgb emitter_sample(const World& world, const Vertex& vertex, Lobes lobes, const EmitterSampleParams& params,
+                   float u_pick, Vec2 u, PathCounters& counters);
+
+/// MIS weight with which emission counts that a bounce of density walk.pdf_omega met at `hit` (null: environment).
+float emission_weight(const World& world, const CameraWalk& walk, const SurfacePoint* hit, Vec3 direction);
+
+/// Emission met at the end of `ray`, MIS weight included, walk.beta not; `hit` is null where nothing was met.
+Rgb met_emission(const World& world, const CameraWalk& walk, const SurfacePoint* hit, const Ray& ray);
+
+/// First surface along a ray that leaves the camera or a bounce. Camera rays pass through emitters' shapes when the
+/// scene hides emitters, as Mitsuba's do.
+std::optional<SurfacePoint> next_surface(const World& world, const Ray& ray, int depth, PathCounters& counters);
+
+/// Samples the next direction through `lobes` and plays Russian roulette (from walk.depth >= rr_depth on: survives with
+/// the largest component of beta * eta^2, at most 0.95). `walk.depth` counts the edges up to `vertex`.
+/// @returns false when the path ends
+bool scatter(const World& world, const Vertex& vertex, Lobes lobes, CameraWalk& walk, Ray& ray, Rng& rng);
+
+/// Follows a path from `ray` to its end and adds up what it meets (times walk.beta).
+Rgb follow_path(const World& world, Ray ray, CameraWalk walk, Rng& rng, PathCounters& counters);
+
+}  // namespace myrialux
