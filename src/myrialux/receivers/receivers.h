@@ -14,7 +14,7 @@ namespace myrialux {
 struct Receivers {
   std::vector<Vec3> p;        ///< on the surface
   std::vector<float> offset;  ///< see SurfacePoint::offset
-  std::vector<Vec3> ng, n;    ///< geometric and shading normal, both on the side of wo (see flipped for two-sided)
+  std::vector<Vec3> ng, n;    ///< geometric and shading normal, each on the side of wo (n = -(the BSDF's) if inside)
   std::vector<Vec3> wo;       ///< unit, towards where the camera path came from
   std::vector<BsdfParams> bsdf;
   std::vector<Rgb> beta;              ///< path weight from the camera, choice of lobes included
@@ -44,15 +44,23 @@ struct ReceiverParams {
 struct ReceiverResult {
   Receivers receivers;  ///< ordered by camera sample; at most one a sample
   CameraSamples samples;
-  std::uint64_t camera_rays = 0;
+  std::uint64_t camera_rays = 0;   ///< closest hits
+  std::uint64_t shadow_rays = 0;   ///< of emitter samples at near-mirrors
   std::uint64_t inside_walls = 0;  ///< first hits that show the back of a one-sided surface: camera inside a wall?
 };
 
 /// Stratified camera samples, followed through sharp lobes to the first vertex where the wide lobes are chosen.
-/// At a vertex with both kinds one is chosen with sharp_probability(). Same bits for any number of threads.
+/// At a vertex with both kinds one is chosen with sharp_probability(). Emission found on the way counts: at sharp
+/// vertices by emitter samples, too (MIS). Receivers are made only where one more edge is within max_depth.
+/// Same bits for any number of threads.
 ReceiverResult trace_receivers(const World& world, const ReceiverParams& params, Progress& progress);
 
-/// Ray through film position (pixels); direction unit.
+/// Film position (pixels) of sample k of a pixel: jittered in a grid of spp cells, as square as spp's factors allow;
+/// cell numbers are shifted by a random offset a pixel, so that the first samples of a pixel are no worse than the
+/// last.
+Vec2 film_position(int width, std::uint64_t pixel, int k, int spp, RandomKey key);
+
+/// Ray through film position (pixels); direction unit; from the near to the far plane of the camera.
 Ray camera_ray(const Camera& camera, int width, int height, Vec2 position);
 
 /// The receiver as a path vertex again (BSDF rebuilt), for next-event and residual estimates.

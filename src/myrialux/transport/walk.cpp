@@ -31,7 +31,6 @@ std::optional<SurfacePoint> next_surface(const World& world, const Ray& ray, int
     if (!(rest.t_max > 0)) return std::nullopt;
     ++counters.closest;
     hit = world.tracer.closest(rest);
-    if (hit) hit->t = length(hit->p - ray.origin);
   }
   return hit;
 }

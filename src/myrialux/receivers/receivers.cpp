@@ -1,0 +1,167 @@
+// Rows of the light matrix: camera samples, followed through sharp lobes to where the wide lobes are chosen.
+#include "myrialux/receivers/receivers.h"
+
+#include <optional>
+#include <utility>
+
+#include "myrialux/base/parallel.h"
+#include "myrialux/transport/walk.h"
+
+namespace myrialux {
+namespace {
+
+/// One camera path followed to its receiver, if it reaches one.
+struct Reached {
+  Vertex vertex;
+  Rgb beta;
+  int depth = 0;
+};
+struct RowOfSamples {
+  Receivers receivers;
+  PathCounters rays;
+  std::uint64_t inside_walls = 0;
+};
+std::optional<Reached> follow_sharp(const World& world, Ray ray, Rng& rng, std::size_t sample, CameraSamples& samples,
+                                    RowOfSamples& row);
+void append(Receivers& to, const Reached& reached, std::size_t sample);
+void record_first_hit(const Camera& camera, CameraSamples& samples, std::size_t sample, const Vertex& vertex);
+bool is_black_back(const Vertex& vertex);
+/// Joins rows in order, freeing each on the way.
+Receivers join(std::vector<RowOfSamples> rows);
+
+}  // namespace
+
+ReceiverResult trace_receivers(const World& world, const ReceiverParams& params, Progress& progress) {
+  ReceiverResult result;
+  CameraSamples& samples = result.samples;
+  samples.width = params.width, samples.height = params.height, samples.spp = params.spp;
+  const auto width = static_cast<std::size_t>(params.width), height = static_cast<std::size_t>(params.height);
+  const auto spp = static_cast<std::size_t>(params.spp), n = width * height * spp;
+  if (n > 0xffffffffu)
+    throw Error(ErrorKind::limit, "a pass of " + std::to_string(n) +
+                                      " camera samples is more than 2^32 - 1; render more passes of fewer samples");
+  samples.position.resize(n), samples.emission.resize(n), samples.albedo.resize(n), samples.normal.resize(n);
+  samples.depth.assign(n, kInfinity);
+
+  // A row of pixels is a work item; rows are joined in order, so that threads do not show.
+  progress.stage("receivers", n, "samples");
+  std::vector<RowOfSamples> rows(height);
+  parallel_for(height, [&](std::size_t y) {
+    for (std::size_t sample = y * width * spp; sample < (y + 1) * width * spp; ++sample) {
+      samples.position[sample] =
+          film_position(params.width, sample / spp, static_cast<int>(sample % spp), params.spp, params.key);
+      const Ray ray = camera_ray(world.scene.camera, params.width, params.height, samples.position[sample]);
+      Rng rng(params.key, Stage::receiver, sample);
+      if (const auto reached = follow_sharp(world, ray, rng, sample, samples, rows[y]))
+        append(rows[y].receivers, *reached, sample);
+    }
+    progress.advance(width * spp);
+  });
+  for (const RowOfSamples& row : rows) {
+    result.camera_rays += row.rays.closest, result.shadow_rays += row.rays.occlusion;
+    result.inside_walls += row.inside_walls;
+  }
+  result.receivers = join(std::move(rows));
+  return result;
+}
+
+Vertex receiver_vertex(const World& world, const Receivers& receivers, std::size_t i) {
+  Vertex vertex;
+  vertex.params = receivers.bsdf[i];
+  vertex.bsdf = make_bsdf(world.scene.materials[index(vertex.params.material)], vertex.params, world.sharp_alpha);
+  vertex.wo = receivers.wo[i];
+  vertex.n = receivers.inside[i] ? -receivers.n[i] : receivers.n[i];
+  vertex.surface.p = receivers.p[i];
+  vertex.surface.ng = receivers.ng[i];
+  vertex.surface.n = receivers.n[i];
+  vertex.surface.offset = receivers.offset[i];
+  vertex.surface.material = vertex.params.material;
+  return vertex;
+}
+
+void Receivers::reserve(std::size_t count) {
+  p.reserve(count), offset.reserve(count), ng.reserve(count), n.reserve(count), wo.reserve(count), bsdf.reserve(count),
+      beta.reserve(count);
+  sample.reserve(count), depth.reserve(count), inside.reserve(count);
+}
+
+namespace {
+
+std::optional<Reached> follow_sharp(const World& world, Ray ray, Rng& rng, std::size_t sample, CameraSamples& samples,
+                                    RowOfSamples& row) {
+  CameraWalk walk;
+  while (within_depth(world, walk.depth + 1)) {
+    const auto hit = next_surface(world, ray, walk.depth, row.rays);
+    samples.emission[sample] += walk.beta * met_emission(world, walk, hit ? &*hit : nullptr, ray);
+    if (!hit) break;
+    const Vertex vertex = make_vertex(world, *hit, -ray.direction);
+    const bool black_back = is_black_back(vertex);
+    if (walk.depth++ == 0) {
+      record_first_hit(world.scene.camera, samples, sample, vertex);
+      row.inside_walls += black_back;
+    }
+    if (black_back || !within_depth(world, walk.depth + 1)) break;
+
+    // One of the two kinds of lobes goes on; the receiver's later light is divided by its probability.
+    const float sharp = sharp_probability(vertex.bsdf, vertex.to_local(vertex.wo));
+    if (!(rng.next() < sharp)) {
+      if (!has_lobes(vertex.bsdf, Lobes::wide)) break;
+      return Reached{vertex, walk.beta * (1 / (1 - sharp)), walk.depth};
+    }
+    walk.beta *= 1 / sharp;
+    samples.emission[sample] += walk.beta * next_event(world, vertex, Lobes::sharp, /*mis=*/true, rng, row.rays);
+    if (!scatter(world, vertex, Lobes::sharp, walk, ray, rng)) break;
+  }
+  return std::nullopt;
+}
+
+void append(Receivers& to, const Reached& reached, std::size_t sample) {
+  const Vertex& v = reached.vertex;
+  const bool inside = dot(v.n, v.wo) < 0;
+  to.p.push_back(v.surface.p);
+  to.offset.push_back(v.surface.offset);
+  to.ng.push_back(dot(v.surface.ng, v.wo) < 0 ? -v.surface.ng : v.surface.ng);
+  to.n.push_back(inside ? -v.n : v.n);
+  to.wo.push_back(v.wo);
+  to.bsdf.push_back(v.params);
+  to.beta.push_back(reached.beta);
+  to.sample.push_back(static_cast<std::uint32_t>(sample));
+  to.depth.push_back(static_cast<std::uint8_t>(std::min(reached.depth, 255)));
+  to.inside.push_back(inside);
+}
+
+void record_first_hit(const Camera& camera, CameraSamples& samples, std::size_t sample, const Vertex& vertex) {
+  samples.albedo[sample] = albedo(vertex.bsdf);
+  samples.normal[sample] = vertex.n;
+  samples.depth[sample] = length(vertex.surface.p - camera.to_world.point({}));
+}
+
+/// Opaque and one-sided, seen from behind: no light leaves there.
+bool is_black_back(const Vertex& vertex) {
+  const BsdfKind kind = vertex.bsdf.kind;
+  const bool opaque = kind != BsdfKind::dielectric && kind != BsdfKind::thin_dielectric &&
+                      kind != BsdfKind::rough_dielectric && kind != BsdfKind::null;
+  return opaque && dot(vertex.n, vertex.wo) <= 0;
+}
+
+template <class T>
+void append_all(std::vector<T>& to, const std::vector<T>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+Receivers join(std::vector<RowOfSamples> rows) {
+  std::size_t n = 0;
+  for (const RowOfSamples& row : rows) n += row.receivers.size();
+  Receivers all;
+  all.reserve(n);
+  for (RowOfSamples& row : rows) {
+    const Receivers r = std::exchange(row.receivers, {});
+    append_all(all.p, r.p), append_all(all.offset, r.offset), append_all(all.ng, r.ng), append_all(all.n, r.n);
+    append_all(all.wo, r.wo), append_all(all.bsdf, r.bsdf), append_all(all.beta, r.beta);
+    append_all(all.sample, r.sample), append_all(all.depth, r.depth), append_all(all.inside, r.inside);
+  }
+  return all;
+}
+
+}  // namespace
+}  // namespace myrialux
