@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "myrialux/base/error.h"
 #include "myrialux/completion/column_basis.h"

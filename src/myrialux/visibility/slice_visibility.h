@@ -12,7 +12,8 @@
 
 namespace myrialux {
 
-/// Entry source over a slice; rows in slice order, columns as the cut gave them, groups = octants.
+/// Entry source over a slice; rows in slice order, columns as the cut gave them, groups = octants. Keeps no reference
+/// to receivers, lights and columns, only to the tracer. Not shared between threads.
 class SliceVisibility final : public EntrySource {
  public:
   /// @param cull false: all rows of all columns count as active (the published form)
@@ -26,8 +27,10 @@ class SliceVisibility final : public EntrySource {
   std::size_t group_end(std::size_t g) const override;
   void trace(std::size_t j, Words wanted, MutableWords visible) override;
   const BitMatrix& active_matrix() const;
-  std::uint64_t rays() const;  ///< shadow rays so far
-  double trace_seconds() const;  ///< CPU time spent in trace() so far
+  std::uint64_t rays() const;     ///< shadow rays so far
+  std::uint64_t packets() const;  ///< packets they travelled in
+  double trace_seconds() const;   ///< CPU seconds this thread spent in trace()
+  double trace_seconds() const;   ///< CPU time spent in trace() so far
   std::size_t memory_bytes() const;
 
  private:

@@ -1,0 +1,91 @@
+// Offsets take the sign of a cosine, row by row; plain twin below.
+#include "myrialux/kernels/shadow_ends.h"
+
+#include <cmath>
+
+#include "myrialux/kernels/targets.h"
+// The rest of this file up to HWY_ONCE is compiled once for each instruction set.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "myrialux/kernels/shadow_ends.cpp"
+#include "hwy/foreach_target.h"
+// Order matters: after foreach_target.h.
+#include "myrialux/kernels/vec3-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace myrialux {
+namespace HWY_NAMESPACE {
+namespace {
+
+HWY_INLINE V3 load_at(D d, const float* const a[3], std::size_t row) {
+  return {hn::Load(d, a[0] + row), hn::Load(d, a[1] + row), hn::Load(d, a[2] + row)};
+}
+HWY_INLINE void store_at(D d, V3 v, float* const a[3], std::size_t row) {
+  hn::Store(v.x, d, a[0] + row), hn::Store(v.y, d, a[1] + row), hn::Store(v.z, d, a[2] + row);
+}
+/// p + ng * copysign(offset, cos)
+HWY_INLINE V3 move_off(V3 p, V3 ng, V offset, V3 direction) {
+  return p + ng * hn::CopySign(offset, dot_unfused(ng, direction));
+}
+
+template <SegmentEnd kEnd>
+void ends_of(const PacketRows& rows, const ShadowLight& light, float* const from[3], float* const to[3]) {
+  const D d;
+  const V3 light_p = spread(d, light.p), light_ng = spread(d, light.ng);
+  const V light_offset = hn::Set(d, light.offset);
+  for (std::size_t row = 0; row < kPacketRows; row += hn::Lanes(d)) {
+    const V3 p = load_at(d, rows.p, row), ng = load_at(d, rows.ng, row);
+    const V3 w = kEnd == SegmentEnd::direction ? light_p : light_p - p;
+    store_at(d, move_off(p, ng, hn::Load(d, rows.offset + row), w), from, row);
+    if constexpr (kEnd == SegmentEnd::surface) {
+      const V3 back{hn::Neg(w.x), hn::Neg(w.y), hn::Neg(w.z)};  // not -dot: a cosine of 0 must keep its sign
+      store_at(d, move_off(light_p, light_ng, light_offset, back), to, row);
+    } else {
+      store_at(d, light_p, to, row);
+    }
+  }
+}
+
+void ends(const PacketRows& rows, const ShadowLight& light, float* const from[3], float* const to[3]) {
+  switch (light.end) {
+    case SegmentEnd::surface:
+      return ends_of<SegmentEnd::surface>(rows, light, from, to);
+    case SegmentEnd::open:
+      return ends_of<SegmentEnd::open>(rows, light, from, to);
+    case SegmentEnd::direction:
+      return ends_of<SegmentEnd::direction>(rows, light, from, to);
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace myrialux
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace myrialux {
+
+HWY_EXPORT(ends);
+
+void shadow_ends(const PacketRows& rows, const ShadowLight& light, float* const from[3], float* const to[3]) {
+  HWY_DYNAMIC_DISPATCH(ends)(rows, light, from, to);
+}
+
+void shadow_ends_plain(const PacketRows& rows, const ShadowLight& light, float* const from[3], float* const to[3]) {
+  for (std::size_t row = 0; row < kPacketRows; ++row) {
+    float w[3], cos_row = 0, cos_light = 0;
+    for (int k = 0; k < 3; ++k) {
+      w[k] = light.end == SegmentEnd::direction ? light.p[k] : light.p[k] - rows.p[k][row];
+      const float at_row = rows.ng[k][row] * w[k], at_light = light.ng[k] * -w[k];
+      cos_row = k == 0 ? at_row : cos_row + at_row;
+      cos_light = k == 0 ? at_light : cos_light + at_light;
+    }
+    for (int k = 0; k < 3; ++k) {
+      from[k][row] = rows.p[k][row] + rows.ng[k][row] * std::copysign(rows.offset[row], cos_row);
+      to[k][row] = light.end == SegmentEnd::surface ? light.p[k] + light.ng[k] * std::copysign(light.offset, cos_light)
+                                                    : light.p[k];
+    }
+  }
+}
+
+}  // namespace myrialux
+#endif

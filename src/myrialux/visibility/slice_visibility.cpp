@@ -1,0 +1,246 @@
+// Rows laid out in blocks of 64, columns reduced to what segments need; a block of 16 rows is a packet of rays.
+#include "myrialux/visibility/slice_visibility.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+#include "myrialux/base/clock.h"
+#include "myrialux/kernels/active_bits.h"
+#include "myrialux/kernels/shadow_ends.h"
+#include "myrialux/matrix/bit_ops.h"
+
+namespace myrialux {
+namespace {
+
+/// A packet's cost hardly depends on how many lanes are on, and 16 far rows cost about two packets of 16 near ones: so
+/// blocks with fewer wanted rows than this share packets with others.
+constexpr int kLeastOwnRows = 8;
+
+struct alignas(64) BlockOffsets {
+  BlockFloats offset;
+};
+
+/// Wanted rows of sparse blocks, moved together until a packet is full.
+struct alignas(64) GatheredRows {
+  PacketFloats p[3] = {}, ng[3] = {}, offset = {};
+  std::array<std::uint32_t, kPacketRows> row{};
+  std::size_t size = 0;
+};
+
+PacketRows packet_rows(const RowBlock& rows, const BlockOffsets& offsets, std::size_t first) {
+  return {{rows.p[0] + first, rows.p[1] + first, rows.p[2] + first},
+          {rows.ng[0] + first, rows.ng[1] + first, rows.ng[2] + first},
+          offsets.offset + first};
+}
+
+PacketRows packet_rows(const GatheredRows& g) {
+  return {{g.p[0], g.p[1], g.p[2]}, {g.ng[0], g.ng[1], g.ng[2]}, g.offset};
+}
+
+bool is_spot(const VirtualLights& lights, std::size_t j) {
+  return lights.kind[j] == LightKind::point && lights.extra[j] != 0xffffffffu;
+}
+
+void copy_to(float* to, Vec3 v) { to[0] = v.x, to[1] = v.y, to[2] = v.z; }
+
+ActivityLight activity_light(const World& world, const VirtualLights& lights, std::size_t j) {
+  ActivityLight light{};
+  light.distant = lights.kind[j] == LightKind::directional;
+  copy_to(light.to, light.distant ? -lights.n[j] : lights.p[j]);
+  copy_to(light.n, lights.n[j]);
+  copy_to(light.ng, lights.ng[j]);
+  if (lights.kind[j] == LightKind::oriented) light.sides = LitSides::front;
+  if (lights.kind[j] == LightKind::glossy)
+    light.sides = transmits(world, lights.glossy[lights.extra[j]].bsdf) ? LitSides::front_and_back : LitSides::front;
+  return light;
+}
+
+ShadowLight shadow_light(const VirtualLights& lights, std::size_t j) {
+  ShadowLight light{};
+  light.end = lights.kind[j] == LightKind::directional ? SegmentEnd::direction
+              : lights.kind[j] == LightKind::point     ? SegmentEnd::open
+                                                       : SegmentEnd::surface;
+  copy_to(light.p, light.end == SegmentEnd::direction ? -lights.n[j] : lights.p[j]);
+  copy_to(light.ng, lights.ng[j]);
+  light.offset = lights.offset[j];
+  return light;
+}
+
+}  // namespace
+
+struct SliceVisibility::State {
+  const Tracer& tracer;
+  std::size_t n_rows;
+  std::vector<RowBlock> blocks;       ///< [words_per_column]; rows that do not exist have zero normals
+  std::vector<BlockOffsets> offsets;  ///< [words_per_column]
+  std::vector<ShadowLight> lights;    ///< [n_columns]
+  std::vector<std::size_t> group_ends;
+  BitMatrix active;
+  std::uint64_t rays = 0, packets = 0;
+  double wall_in_trace_s = 0;
+  Stopwatch wall;
+  ThreadStopwatch cpu;
+
+  void lay_out_rows(const Receivers& receivers, std::span<const ReceiverId> rows);
+  void group_columns(Vec3 centre, const VirtualLights& all, std::span<const Column> columns);
+  void find_active(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
+                   const VirtualLights& all, std::span<const Column> columns);
+  std::uint32_t occluded(const PacketRows& rows, const ShadowLight& light, std::uint32_t valid);
+  void gather(GatheredRows& gathered, std::size_t word, std::uint64_t rows, const ShadowLight& light,
+              MutableWords visible);
+  void trace_gathered(GatheredRows& gathered, const ShadowLight& light, MutableWords visible);
+};
+
+SliceVisibility::SliceVisibility(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
+                                 const VirtualLights& lights, std::span<const Column> columns, bool cull)
+    : state_(new State{.tracer = world.tracer,
+                       .n_rows = rows.size(),
+                       .blocks = {},
+                       .offsets = {},
+                       .lights = {},
+                       .group_ends = {},
+                       .active = BitMatrix(rows.size(), columns.size()),
+                       .wall = {},
+                       .cpu = {}}) {
+  State& s = *state_;
+  s.lay_out_rows(receivers, rows);
+  s.group_columns(slice_centre(receivers, rows), lights, columns);
+  s.lights.reserve(columns.size());
+  for (const Column& column : columns) s.lights.push_back(shadow_light(lights, index(column.light)));
+  if (cull)
+    s.find_active(world, receivers, rows, lights, columns);
+  else
+    for (std::size_t j = 0; j < columns.size(); ++j) fill_rows(s.active.column(j), rows.size());
+}
+
+SliceVisibility::~SliceVisibility() = default;
+
+void SliceVisibility::State::lay_out_rows(const Receivers& receivers, std::span<const ReceiverId> rows) {
+  blocks.resize(words_for(rows.size()));
+  offsets.resize(blocks.size());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const std::size_t i = index(rows[r]);
+    RowBlock& block = blocks[r / kBlockRows];
+    for (int k = 0; k < 3; ++k) {
+      block.p[k][r % kBlockRows] = receivers.p[i][k];
+      block.n[k][r % kBlockRows] = receivers.n[i][k];
+      block.ng[k][r % kBlockRows] = receivers.ng[i][k];
+    }
+    offsets[r / kBlockRows].offset[r % kBlockRows] = receivers.offset[i];
+  }
+}
+
+/// Columns come ordered by kind and octant: each run of equal kind and octant is a group.
+void SliceVisibility::State::group_columns(Vec3 centre, const VirtualLights& all, std::span<const Column> columns) {
+  std::uint32_t previous = 0;
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    const std::uint32_t kind = static_cast<std::uint32_t>(all.kind[index(columns[j].light)]);
+    const std::uint32_t group = kind * 8 + octant(centre, all, columns[j].light);
+    if (j > 0 && group != previous) group_ends.push_back(j);
+    previous = group;
+  }
+  if (!columns.empty()) group_ends.push_back(columns.size());
+}
+
+void SliceVisibility::State::find_active(const World& world, const Receivers& receivers,
+                                         std::span<const ReceiverId> rows, const VirtualLights& all,
+                                         std::span<const Column> columns) {
+  std::vector<std::uint64_t> both_sides(blocks.size());
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (transmits(world, receivers.bsdf[index(rows[r])])) set_bit(both_sides, r);
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    const LightId light = columns[j].light;
+    active_bits(blocks, both_sides, activity_light(world, all, index(light)), active.column(j));
+    if (is_spot(all, index(light)))  // few, and their cone is a matter of angles
+      for_each_bit(active.column(j), [&](std::size_t r) {
+        if (!is_active(world, receivers, rows[r], all, light)) clear_bit(active.column(j), r);
+      });
+  }
+}
+
+std::size_t SliceVisibility::n_rows() const { return state_->n_rows; }
+std::size_t SliceVisibility::n_columns() const { return state_->lights.size(); }
+Words SliceVisibility::active(std::size_t j) const { return std::as_const(state_->active).column(j); }
+std::size_t SliceVisibility::n_groups() const { return state_->group_ends.size(); }
+std::size_t SliceVisibility::group_end(std::size_t g) const { return state_->group_ends[g]; }
+const BitMatrix& SliceVisibility::active_matrix() const { return state_->active; }
+std::uint64_t SliceVisibility::rays() const { return state_->rays; }
+std::uint64_t SliceVisibility::packets() const { return state_->packets; }
+
+/// The wall clock costs a tenth of the thread's clock to read; the thread's share of the wall since the slice began
+/// turns one into the other.
+double SliceVisibility::trace_seconds() const {
+  const double wall_s = state_->wall.elapsed();
+  return wall_s > 0 ? state_->wall_in_trace_s * std::min(1.0, state_->cpu.elapsed() / wall_s) : 0;
+}
+
+std::size_t SliceVisibility::memory_bytes() const {
+  const State& s = *state_;
+  return s.blocks.size() * (sizeof(RowBlock) + sizeof(BlockOffsets)) + s.lights.size() * sizeof(ShadowLight) +
+         s.active.words_per_column() * s.active.n_columns() * sizeof(std::uint64_t);
+}
+
+void SliceVisibility::trace(std::size_t j, Words wanted, MutableWords visible) {
+  State& s = *state_;
+  Stopwatch watch;
+  const ShadowLight& light = s.lights[j];
+  GatheredRows gathered;
+  for (std::size_t w = 0; w < wanted.size(); ++w) {
+    MYRIALUX_ASSERT((wanted[w] & ~active(j)[w]) == 0);
+    if (wanted[w] == 0) continue;
+    s.rays += static_cast<std::uint64_t>(std::popcount(wanted[w]));
+    std::uint64_t sparse = 0;
+    for (std::size_t first = 0; first < kBlockRows; first += kPacketRows) {
+      const std::uint32_t valid = wanted[w] >> first & 0xffff;
+      if (std::popcount(valid) < kLeastOwnRows) {
+        sparse |= std::uint64_t{valid} << first;
+      } else {
+        const std::uint64_t blocked = s.occluded(packet_rows(s.blocks[w], s.offsets[w], first), light, valid);
+        visible[w] = (visible[w] & ~(std::uint64_t{valid} << first)) | (valid & ~blocked) << first;
+      }
+    }
+    if (sparse != 0) s.gather(gathered, w, sparse, light, visible);
+  }
+  if (gathered.size > 0) s.trace_gathered(gathered, light, visible);
+  s.wall_in_trace_s += watch.elapsed();
+}
+
+std::uint32_t SliceVisibility::State::occluded(const PacketRows& rows, const ShadowLight& light, std::uint32_t valid) {
+  Segments<16> segments;
+  float* const from[3] = {segments.from_x, segments.from_y, segments.from_z};
+  float* const to[3] = {segments.to_x, segments.to_y, segments.to_z};
+  shadow_ends(rows, light, from, to);
+  ++packets;
+  return light.end == SegmentEnd::direction ? tracer.occluded_packet_direction<16>(segments, valid, true)
+                                            : tracer.occluded_packet<16>(segments, valid, true);
+}
+
+void SliceVisibility::State::gather(GatheredRows& gathered, std::size_t word, std::uint64_t rows,
+                                    const ShadowLight& light, MutableWords visible) {
+  const RowBlock& block = blocks[word];
+  for (; rows != 0; rows &= rows - 1) {
+    const std::size_t bit = static_cast<std::size_t>(std::countr_zero(rows)), lane = gathered.size++;
+    for (int k = 0; k < 3; ++k) {
+      gathered.p[k][lane] = block.p[k][bit];
+      gathered.ng[k][lane] = block.ng[k][bit];
+    }
+    gathered.offset[lane] = offsets[word].offset[bit];
+    gathered.row[lane] = static_cast<std::uint32_t>(word * kBlockRows + bit);
+    if (gathered.size == kPacketRows) trace_gathered(gathered, light, visible);
+  }
+}
+
+void SliceVisibility::State::trace_gathered(GatheredRows& gathered, const ShadowLight& light, MutableWords visible) {
+  const std::uint32_t valid = static_cast<std::uint32_t>(low_bits(gathered.size));
+  const std::uint32_t blocked = occluded(packet_rows(gathered), light, valid);
+  for (std::size_t lane = 0; lane < gathered.size; ++lane) {
+    if (blocked >> lane & 1)
+      clear_bit(visible, gathered.row[lane]);
+    else
+      set_bit(visible, gathered.row[lane]);
+  }
+  gathered.size = 0;
+}
+
+}  // namespace myrialux
