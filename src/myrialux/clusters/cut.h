@@ -13,7 +13,7 @@
 namespace myrialux {
 
 struct CutParams {
-  std::uint32_t n_clusters = 1000;  ///< exact size of the cut (smaller only if the tree ends)
+  std::uint32_t n_clusters = 1000;  ///< exact size of the cut (smaller only if the tree ends; at least one a kind)
   std::uint32_t n_points = 16;      ///< receivers of the slice at which bounds are taken; 0 = all
   float clamp_distance = 0;         ///< geometry bound 1 / max(d^2, clamp^2); 0 = no clamp
 };
@@ -24,6 +24,7 @@ struct Column {
   float weight = 1;         ///< W: cluster importance / importance of the representative
   std::uint32_t node = 0;   ///< of the tree
   std::uint32_t count = 1;  ///< lights in the cluster
+  std::uint8_t octant = 0;  ///< see octant(), with slice_centre()
 };
 
 /// Columns are ordered by (kind, octant of the direction to the slice's centre, depth-first position in the tree).
@@ -31,7 +32,9 @@ struct Column {
 std::vector<Column> light_cut(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
                               const VirtualLights& lights, const LightTree& tree, const CutParams& params);
 
-/// Upper bound of the node's contribution to receiver i (luminance, beta not included), for tests and refinement.
+/// Upper bound of the node's contribution to receiver i (luminance, beta not included), for tests and refinement: of
+/// the sum of its lights' transfer as well as of weight times the transfer of any of its lights (glossy lights: as far
+/// as their importance is at least their peak intensity). Up to rounding, a few parts in a million.
 float cluster_bound(const World& world, const Receivers& receivers, ReceiverId i, const LightTree& tree,
                     std::uint32_t node, float clamp_distance);
 

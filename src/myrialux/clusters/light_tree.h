@@ -8,11 +8,11 @@
 
 namespace myrialux {
 
+/// 64 bytes.
 struct LightNode {
-  Box3 box;                            ///< of positions (directional: of directions)
-  Vec3 cone_axis;                      ///< unit; all normals lie within the cone
-  float cone_cos = 1;                  ///< cosine of its half angle; -1: any direction
-  Rgb power;                           ///< sum of what weights are made of (see representative)
+  Box3 box;                            ///< of positions; directional: of the unit directions towards the lights
+  Vec3 cone_axis;                      ///< unit; all emission normals lie within the cone
+  float cone_cos = 1;                  ///< cosine of its half angle; -1: any direction (point, spot, directional)
   float importance = 0;                ///< sum of VirtualLights::importance
   std::uint32_t first = 0, count = 0;  ///< leaves below: LightTree::order[first .. first + count)
   std::uint32_t left = 0;              ///< index of the left child; the right one follows it. 0: leaf
@@ -21,12 +21,23 @@ struct LightNode {
   bool is_leaf() const { return left == 0; }
 };
 
+/// What bounds of glossy nodes need besides: radiant intensity along w is at most (luminance, W/sr)
+///   diffuse cos(n, w) + gloss shape(angle of w to the mirror cone) + any,   shape falling from 1: see lobe_bounds.h
+struct GlossyNode {
+  Vec3 mirror_axis;      ///< unit; mirror directions of the arrived power lie within the cone
+  float mirror_cos = 1;  ///< cosine of its half angle
+  float diffuse = 0, gloss = 0, any = 0;
+  float alpha = 0;  ///< largest roughness below
+};
+
 /// One binary tree a kind of light; roots listed. Leaves hold exactly one light.
 struct LightTree {
   std::vector<LightNode> nodes;
-  std::vector<std::uint32_t> roots;
-  std::vector<LightId> order;
-  std::vector<float> importance;  ///< [n_lights]
+  std::vector<GlossyNode> glossy;  ///< of the nodes first_glossy, first_glossy + 1, ...
+  std::uint32_t first_glossy = 0;
+  std::vector<std::uint32_t> roots;  ///< in the order of LightKind
+  std::vector<LightId> order;        ///< leaves depth first, the kinds one after another
+  std::vector<float> importance;     ///< indexed by light, those left out included
   std::uint32_t n_lights() const { return static_cast<std::uint32_t>(order.size()); }
 };
 

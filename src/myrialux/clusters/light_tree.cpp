@@ -1,0 +1,202 @@
+// Builds the light tree: lights are halved by count along the principal axis of (position, scaled normal), top down.
+// [wang20, 4.3]; representatives and bounds as in [walter05, 3].
+#include "myrialux/clusters/light_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "myrialux/base/assert.h"
+#include "myrialux/base/parallel.h"
+#include "myrialux/clusters/cone.h"
+#include "myrialux/clusters/lobe_bounds.h"
+#include "myrialux/clusters/principal_axis.h"
+
+namespace myrialux {
+namespace {
+
+constexpr std::size_t kSerialLights = 1 << 12;  ///< below this a task costs more than it gains
+
+/// A light as the tree sees it; moved around whole so that every level reads memory in order. 32 bytes.
+struct Point {
+  SixVector x;
+  std::uint32_t light;
+  float key;  ///< position along the axis of the node being split
+};
+
+/// One subtree under construction: root `node`, its descendants fill [descendants, descendants + 2 count - 2).
+struct Subtree {
+  std::uint32_t node, descendants, first;
+  std::span<Point> points;
+};
+
+class Builder {
+ public:
+  Builder(const World& world, const VirtualLights& lights, RandomKey key, LightTree& tree)
+      : world_(world), lights_(lights), key_(key), tree_(tree) {}
+  void build(const Subtree& s) const;
+
+ private:
+  void make_leaf(std::uint32_t node, std::uint32_t light) const;
+  GlossyNode glossy_leaf(std::uint32_t light) const;
+  void join_children(std::uint32_t node) const;
+  GlossyNode& glossy(std::uint32_t node) const { return tree_.glossy[node - tree_.first_glossy]; }
+
+  const World& world_;
+  const VirtualLights& lights_;
+  RandomKey key_;
+  LightTree& tree_;
+};
+
+std::vector<Point> points_of_kind(const VirtualLights& lights, const LightTree& tree, LightKind kind, float scale);
+void split(std::span<Point> points);
+
+}  // namespace
+
+LightTree build_light_tree(const World& world, const VirtualLights& lights, float scene_radius,
+                           const LightTreeParams& params) {
+  LightTree tree;
+  tree.importance.resize(lights.size());
+  parallel_for(
+      lights.size(), [&](std::size_t j) { tree.importance[j] = lights.importance(world, static_cast<LightId>(j)); },
+      kSerialLights);
+
+  // Places of all nodes follow from the counts: 2 n - 1 for each kind, so subtrees are built independently.
+  std::array<std::vector<Point>, kLightKinds> points;
+  std::array<std::uint32_t, kLightKinds> first_node{};
+  std::size_t n_nodes = 0, n_lights = 0;
+  for (int k = 0; k < kLightKinds; ++k) {
+    points[k] = points_of_kind(lights, tree, static_cast<LightKind>(k), params.normal_weight * scene_radius);
+    first_node[k] = static_cast<std::uint32_t>(n_nodes);
+    if (points[k].empty()) continue;
+    const std::size_t n = 2 * points[k].size() - 1;
+    if (static_cast<LightKind>(k) == LightKind::glossy) tree.first_glossy = first_node[k], tree.glossy.resize(n);
+    tree.roots.push_back(first_node[k]);
+    n_nodes += n, n_lights += points[k].size();
+  }
+  tree.nodes.resize(n_nodes);
+  tree.order.resize(n_lights);
+
+  const Builder builder(world, lights, params.key, tree);
+  std::uint32_t first = 0;
+  for (int k = 0; k < kLightKinds; ++k) {
+    if (!points[k].empty()) builder.build({first_node[k], first_node[k] + 1, first, points[k]});
+    first += static_cast<std::uint32_t>(points[k].size());
+  }
+  return tree;
+}
+
+namespace {
+
+/// Coordinates in which alike lights are near. Directional lights: by where they come from.
+Point make_point(const VirtualLights& lights, std::size_t j, float scale) {
+  const Vec3 p = lights.p[j], n = lights.n[j], m = n * scale;
+  Point point{{}, static_cast<std::uint32_t>(j), 0};
+  switch (lights.kind[j]) {
+    case LightKind::oriented:
+    case LightKind::glossy:
+      point.x = {p.x, p.y, p.z, m.x, m.y, m.z};
+      break;
+    case LightKind::point:
+      point.x = {p.x, p.y, p.z, 0, 0, 0};
+      break;
+    case LightKind::directional:
+      point.x = {-n.x, -n.y, -n.z, 0, 0, 0};
+      break;
+  }
+  return point;
+}
+
+std::vector<Point> points_of_kind(const VirtualLights& lights, const LightTree& tree, LightKind kind, float scale) {
+  std::vector<Point> points;
+  for (std::size_t j = 0; j < lights.size(); ++j)
+    if (lights.kind[j] == kind && tree.importance[j] > 0) points.push_back(make_point(lights, j, scale));
+  return points;
+}
+
+/// Moves the lower half along the principal axis to the front; ties by light.
+void split(std::span<Point> points) {
+  if (points.size() == 2) return;
+  const SixVector axis = principal_axis(points, [](const Point& p) -> const SixVector& { return p.x; });
+  for (Point& p : points) {
+    p.key = 0;
+    for (int k = 0; k < 6; ++k) p.key += axis[k] * p.x[k];
+  }
+  const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
+  std::nth_element(points.begin(), middle, points.end(), [](const Point& a, const Point& b) {
+    return a.key < b.key || (a.key == b.key && a.light < b.light);
+  });
+}
+
+void Builder::build(const Subtree& s) const {
+  LightNode& node = tree_.nodes[s.node];
+  node.first = s.first;
+  node.count = static_cast<std::uint32_t>(s.points.size());
+  if (node.count == 1) return make_leaf(s.node, s.points[0].light);
+
+  split(s.points);
+  node.left = s.descendants;
+  const std::uint32_t n_left = node.count / 2, left = s.descendants, below = s.descendants + 2;
+  const auto build_left = [&] { build({left, below, s.first, s.points.first(n_left)}); };
+  const auto build_right = [&] {
+    build({left + 1, below + 2 * n_left - 2, s.first + n_left, s.points.subspan(n_left)});
+  };
+  if (node.count > kSerialLights) {
+    parallel_invoke(build_left, build_right);
+  } else {
+    build_left();
+    build_right();
+  }
+  join_children(s.node);
+}
+
+void Builder::make_leaf(std::uint32_t index, std::uint32_t light) const {
+  LightNode& node = tree_.nodes[index];
+  node.kind = lights_.kind[light];
+  node.box.add(node.kind == LightKind::directional ? -lights_.n[light] : lights_.p[light]);
+  const bool has_cosine = node.kind == LightKind::oriented || node.kind == LightKind::glossy;
+  node.cone_axis = has_cosine ? lights_.n[light] : Vec3{0, 0, 1};
+  node.cone_cos = has_cosine ? 1.0f : -1.0f;
+  node.importance = tree_.importance[light];
+  node.representative = static_cast<LightId>(light);
+  tree_.order[node.first] = static_cast<LightId>(light);
+  if (node.kind == LightKind::glossy) glossy(index) = glossy_leaf(light);
+}
+
+GlossyNode Builder::glossy_leaf(std::uint32_t light) const {
+  const VirtualLights::Glossy& g = lights_.glossy[lights_.extra[light]];
+  const Vec3 n = lights_.n[light];
+  const Bsdf bsdf = make_bsdf(world_.scene.materials[index(g.bsdf.material)], g.bsdf, world_.sharp_alpha);
+  const LobeBounds bounds = lobe_bounds(bsdf, Frame(n).to_local(g.wi));
+  const Rgb power = lights_.light[light];
+  GlossyNode node;
+  node.mirror_axis = normalize(n * (2 * dot(n, g.wi)) - g.wi);
+  node.mirror_cos = bounds.alpha <= kLargestShapedAlpha ? 1.0f : -1.0f;
+  node.diffuse = luminance(power * bounds.diffuse);
+  node.gloss = luminance(power * peak_gloss(bounds));
+  node.any = luminance(power * bounds.any);
+  node.alpha = std::min(bounds.alpha, kLargestShapedAlpha);
+  return node;
+}
+
+void Builder::join_children(std::uint32_t index) const {
+  LightNode& node = tree_.nodes[index];
+  const LightNode &a = tree_.nodes[node.left], &b = tree_.nodes[node.left + 1];
+  node.kind = a.kind;
+  node.box = a.box;
+  node.box.add(b.box);
+  const Cone cone = join({a.cone_axis, a.cone_cos}, {b.cone_axis, b.cone_cos});
+  node.cone_axis = cone.axis, node.cone_cos = cone.cos_angle;
+  node.importance = a.importance + b.importance;
+  Rng rng(key_, Stage::light_tree, index);
+  node.representative = rng.next() * node.importance < a.importance ? a.representative : b.representative;
+  if (node.kind != LightKind::glossy) return;
+
+  const GlossyNode &ga = glossy(node.left), &gb = glossy(node.left + 1);
+  const Cone mirror = join({ga.mirror_axis, ga.mirror_cos}, {gb.mirror_axis, gb.mirror_cos});
+  glossy(index) = {mirror.axis,         mirror.cos_angle, ga.diffuse + gb.diffuse,
+                   ga.gloss + gb.gloss, ga.any + gb.any,  std::max(ga.alpha, gb.alpha)};
+}
+
+}  // namespace
+}  // namespace myrialux

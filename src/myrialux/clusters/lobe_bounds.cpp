@@ -1,0 +1,70 @@
+// Upper bounds of wide lobes for one fixed direction. Microfacet lobes: D of the smallest possible half-vector angle,
+// G1 of the fixed direction, everything else 1. Distributions and shadowing after [walter07].
+#include "myrialux/clusters/lobe_bounds.h"
+
+#include "myrialux/scattering/fresnel.h"
+#include "myrialux/scattering/microfacet.h"
+
+namespace myrialux {
+namespace {
+
+/// Coefficients of shape(); the angle below which the distribution does not fall yet.
+void set_shape(const Bsdf& bsdf, LobeBounds& bounds) {
+  const float alpha2 = bsdf.alpha * bsdf.alpha;
+  bounds.alpha = bsdf.alpha;
+  if (bsdf.distribution == Microfacets::ggx) {
+    bounds.c1 = 2, bounds.c2 = 1, bounds.c3 = 0;
+    bounds.t_least = alpha2 > 1 ? 1e6f : 0;
+  } else {  // exp(-x) <= 1 / (1 + x + x^2 / 2 + x^3 / 6)
+    bounds.c1 = 1, bounds.c2 = 0.5f, bounds.c3 = 1.0f / 6;
+    bounds.t_least = std::max(0.0f, 2 * alpha2 - 1);
+  }
+}
+
+/// Diffuse base of plastic: transmission of the fixed side, internal scattering; transmission of the other side is 1.
+Rgb plastic_base(const Bsdf& bsdf, float cos_v) {
+  const float through = bsdf.kind == BsdfKind::plastic ? 1 - fresnel_dielectric(cos_v, bsdf.eta).reflectance : 1.0f;
+  const Rgb back = bsdf.nonlinear ? bsdf.reflectance * bsdf.fdr_internal : gray(bsdf.fdr_internal);
+  return bsdf.reflectance / (gray(1) - back) * (bsdf.inverse_eta_squared * through * kInvPi);
+}
+
+}  // namespace
+
+LobeBounds lobe_bounds(const Bsdf& bsdf, Vec3 fixed) {
+  LobeBounds bounds;
+  const bool rough_glass = bsdf.kind == BsdfKind::rough_dielectric;
+  if (fixed.z == 0 || (fixed.z < 0 && !rough_glass)) return bounds;
+  if (bsdf.kind == BsdfKind::diffuse) bounds.diffuse = bsdf.reflectance * kInvPi;
+  if (bsdf.kind == BsdfKind::plastic || bsdf.kind == BsdfKind::rough_plastic)
+    bounds.diffuse = plastic_base(bsdf, fixed.z);
+
+  const bool gloss = bsdf.kind == BsdfKind::rough_conductor || bsdf.kind == BsdfKind::rough_plastic || rough_glass;
+  if (!gloss || bsdf.sharp_gloss) return bounds;
+  set_shape(bsdf, bounds);
+  const float shadowing = smith_g1(bsdf.distribution, bsdf.alpha, fixed, {0, 0, std::copysign(1.0f, fixed.z)});
+  const float lobe = kInvPi / (bsdf.alpha * bsdf.alpha) * shadowing / std::fabs(fixed.z);
+  bounds.gloss = bsdf.specular * (lobe / 4);
+  if (!rough_glass) return bounds;
+
+  // Refraction spreads into directions that the mirror says nothing about: the peak of [walter07, 21] for all of them.
+  // |eta_i i + eta_o o| >= |eta_i - eta_o|; once more eta^2 for radiance or power.
+  const float eta = std::max(bsdf.eta, 1 / bsdf.eta), peak = eta * eta / std::max(eta - 1, 1e-3f);
+  bounds.any = peak_gloss(bounds) + peak_gloss({{},
+                                                bsdf.transmittance * (lobe * peak * peak),
+                                                {},
+                                                bounds.alpha,
+                                                bounds.c1,
+                                                bounds.c2,
+                                                bounds.c3,
+                                                bounds.t_least});
+  bounds.gloss = {};
+  return bounds;
+}
+
+Rgb peak_gloss(const LobeBounds& bounds) {
+  const float t = bounds.t_least, x = t / (bounds.alpha * bounds.alpha);
+  const float shape = (1 + t) * (1 + t) / (1 + x * (bounds.c1 + x * (bounds.c2 + x * bounds.c3)));
+  return bounds.gloss * shape;
+}
+
+}  // namespace myrialux
