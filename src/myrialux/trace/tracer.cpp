@@ -1,0 +1,163 @@
+// Queries: fills Embree's rays from points and segments, and turns hits into surface points.
+#include "myrialux/trace/tracer.h"
+
+#include "myrialux/base/assert.h"
+#include "myrialux/trace/acceleration.h"
+
+namespace myrialux {
+
+struct Tracer::State : Acceleration {
+  using Acceleration::Acceleration;
+};
+
+namespace {
+
+/// Sets lanes [first, first + N) of the packet; ids count from 0.
+template <int N, int M>
+void fill(RayPacket<N>& rays, const Segments<M>& s, int first, bool to_is_direction);
+template <int N, int M>
+std::uint32_t trace_lanes(const Acceleration& a, const Segments<M>& s, int first, std::uint32_t valid, bool coherent,
+                          bool to_is_direction);
+template <int N>
+std::uint32_t trace_packet(const Acceleration& a, const Segments<N>& s, std::uint32_t valid, bool coherent,
+                           bool to_is_direction);
+bool trace_one(const Acceleration& a, Vec3 from, Vec3 to, bool to_is_direction);
+/// A point of the unit shape from a rounded one.
+Point3d onto_quadric(Quadric::Kind kind, Point3d p);
+
+void init(QueryContext& context, const Acceleration& a, bool to_is_direction) {
+  init_context(context.embree);
+  context.acceleration = &a;
+  context.to_is_direction = to_is_direction;
+}
+
+}  // namespace
+
+Tracer::Tracer(const Scene& scene) : state_(std::make_unique<State>(scene)) {}
+Tracer::~Tracer() = default;
+Tracer::Tracer(Tracer&&) noexcept = default;
+
+std::optional<SurfacePoint> Tracer::closest(const Ray& ray) const {
+  const Acceleration& a = *state_;
+  const Vec3 o = ray.origin, d = ray.direction;
+  QueryContext context;
+  init(context, a, true);
+  for (int axis = 0; axis < 3; ++axis) context.from[axis] = &o.x + axis, context.to[axis] = &d.x + axis;
+  RTCRayHit query{};
+  query.ray = {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, ray.t_max, 0xffffffffu, 0, 0};
+  query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  embree_intersect(a.root, context.embree, query);
+  const RTCHit& hit = query.hit;
+  if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+
+  const GeometryRecord& record = a.record(hit.instID[0], hit.geomID);
+  const Placement* placement = a.placement(hit.instID[0]);
+  const Shape& shape = record.the_shape();
+  ShapePoint at;
+  if (const MeshId* mesh = std::get_if<MeshId>(&shape.geometry)) {
+    at = point_on_triangle(a.scene.meshes[index(*mesh)], shape.flip_normals, hit.primID, hit.u, hit.v, placement);
+  } else {
+    const auto& quadric = std::get<Quadric>(shape.geometry);
+    const double t = query.ray.tfar;
+    Point3d p{o.x + t * d.x, o.y + t * d.y, o.z + t * d.z};
+    if (placement) p = transform_point(placement->from_world, p);
+    p = onto_quadric(quadric.kind, transform_point(record.from_world, p));
+    at = point_on_quadric(quadric, shape.flip_normals, p, placement);
+  }
+  return SurfacePoint{at.p,      at.ng,        at.n,           at.uv,         query.ray.tfar,
+                      at.offset, record.shape, shape.material, shape.emitter, hit.primID};
+}
+
+bool Tracer::occluded(Vec3 a, Vec3 b) const { return trace_one(*state_, a, b, false); }
+bool Tracer::occluded_direction(Vec3 origin, Vec3 direction) const {
+  return trace_one(*state_, origin, direction, true);
+}
+
+template <int N>
+std::uint32_t Tracer::occluded_packet(const Segments<N>& segments, std::uint32_t valid, bool coherent) const {
+  return trace_packet(*state_, segments, valid, coherent, false);
+}
+template <int N>
+std::uint32_t Tracer::occluded_packet_direction(const Segments<N>& segments, std::uint32_t valid, bool coherent) const {
+  return trace_packet(*state_, segments, valid, coherent, true);
+}
+
+Box3 Tracer::bounds() const { return state_->bounds; }
+std::uint64_t Tracer::memory_bytes() const { return static_cast<std::uint64_t>(state_->bytes.load()); }
+const Scene& Tracer::scene() const { return state_->scene; }
+void* Tracer::native_scene() const { return state_->root; }
+
+template std::uint32_t Tracer::occluded_packet<4>(const Segments<4>&, std::uint32_t, bool) const;
+template std::uint32_t Tracer::occluded_packet<8>(const Segments<8>&, std::uint32_t, bool) const;
+template std::uint32_t Tracer::occluded_packet<16>(const Segments<16>&, std::uint32_t, bool) const;
+template std::uint32_t Tracer::occluded_packet_direction<4>(const Segments<4>&, std::uint32_t, bool) const;
+template std::uint32_t Tracer::occluded_packet_direction<8>(const Segments<8>&, std::uint32_t, bool) const;
+template std::uint32_t Tracer::occluded_packet_direction<16>(const Segments<16>&, std::uint32_t, bool) const;
+
+namespace {
+
+template <int N>
+std::uint32_t trace_packet(const Acceleration& a, const Segments<N>& s, std::uint32_t valid, bool coherent,
+                           bool to_is_direction) {
+  if (valid == 0) return 0;
+  if constexpr (N == 16) {
+    if (!a.has_native_16)
+      return trace_lanes<8>(a, s, 0, valid & 0xff, coherent, to_is_direction) |
+             trace_lanes<8>(a, s, 8, (valid >> 8) & 0xff, coherent, to_is_direction) << 8;
+  }
+  return trace_lanes<N>(a, s, 0, valid, coherent, to_is_direction);
+}
+
+template <int N, int M>
+std::uint32_t trace_lanes(const Acceleration& a, const Segments<M>& s, int first, std::uint32_t valid, bool coherent,
+                          bool to_is_direction) {
+  QueryContext context;
+  init(context, a, to_is_direction);
+  context.from[0] = s.from_x + first, context.from[1] = s.from_y + first, context.from[2] = s.from_z + first;
+  context.to[0] = s.to_x + first, context.to[1] = s.to_y + first, context.to[2] = s.to_z + first;
+  alignas(64) int lanes[N];
+  for (int k = 0; k < N; ++k) lanes[k] = (valid & (1u << k)) ? -1 : 0;
+  RayPacket<N> rays;
+  fill<N>(rays, s, first, to_is_direction);
+  embree_occluded<N>(lanes, a.root, context.embree, rays, coherent);
+  std::uint32_t blocked = 0;
+  for (int k = 0; k < N; ++k) blocked |= (rays.tfar[k] < 0 ? 1u : 0u) << k;
+  return blocked & valid;
+}
+
+template <int N, int M>
+void fill(RayPacket<N>& rays, const Segments<M>& s, int first, bool to_is_direction) {
+  const float far = to_is_direction ? kInfinity : 1;
+  for (int k = 0; k < N; ++k) {
+    rays.org_x[k] = s.from_x[first + k], rays.org_y[k] = s.from_y[first + k], rays.org_z[k] = s.from_z[first + k];
+    rays.dir_x[k] = s.to_x[first + k], rays.dir_y[k] = s.to_y[first + k], rays.dir_z[k] = s.to_z[first + k];
+  }
+  if (!to_is_direction)
+    for (int k = 0; k < N; ++k)
+      rays.dir_x[k] -= rays.org_x[k], rays.dir_y[k] -= rays.org_y[k], rays.dir_z[k] -= rays.org_z[k];
+  for (int k = 0; k < N; ++k) {
+    rays.tnear[k] = 0, rays.time[k] = 0, rays.tfar[k] = far;
+    rays.mask[k] = 0xffffffffu, rays.id[k] = static_cast<unsigned>(k), rays.flags[k] = 0;
+  }
+}
+
+bool trace_one(const Acceleration& a, Vec3 from, Vec3 to, bool to_is_direction) {
+  QueryContext context;
+  init(context, a, to_is_direction);
+  for (int axis = 0; axis < 3; ++axis) context.from[axis] = &from.x + axis, context.to[axis] = &to.x + axis;
+  const Vec3 d = to_is_direction ? to : to - from;
+  RTCRay ray{from.x, from.y, from.z, 0, d.x, d.y, d.z, 0, to_is_direction ? kInfinity : 1, 0xffffffffu, 0, 0};
+  embree_occluded<1>(nullptr, a.root, context.embree, ray, false);
+  return ray.tfar < 0;
+}
+
+Point3d onto_quadric(Quadric::Kind kind, Point3d p) {
+  if (kind == Quadric::Kind::disk) return {p[0], p[1], 0};
+  const double z = kind == Quadric::Kind::sphere ? p[2] : 0;
+  const double s = 1 / std::sqrt(p[0] * p[0] + p[1] * p[1] + z * z);
+  return {p[0] * s, p[1] * s, kind == Quadric::Kind::sphere ? p[2] * s : std::clamp(p[2], 0.0, 1.0)};
+}
+
+}  // namespace
+
+}  // namespace myrialux
