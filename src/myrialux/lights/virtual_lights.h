@@ -11,7 +11,9 @@
 
 namespace myrialux {
 
-/// How a virtual light sends its light out.
+/// How a virtual light sends its light out. The exact intensity of a surface lit from wi has the geometric cosine of
+/// departure, |w . ng| [veach97, 5.3]; oriented lights therefore carry ng as their normal, glossy ones need n as frame
+/// of the BSDF (arrival's |wi . n| / |wi . ng| is in `light`).
 enum class LightKind : std::uint8_t {
   oriented,     ///< Lambertian: radiant intensity = light * cos, W/sr (area emitters, diffuse surfaces)
   glossy,       ///< light * f(wi, w) cos w with the surface's wide lobes; light = power that arrived there, W
@@ -22,9 +24,10 @@ inline constexpr int kLightKinds = 4;
 
 /// All arrays have length size(); `glossy` only holds entries for lights of that kind.
 struct VirtualLights {
-  std::vector<Vec3> p;        ///< on the surface
-  std::vector<Vec3> n;        ///< unit emission normal (oriented, glossy: shading normal on the lit side); directional:
-                              ///< direction of travel; spot: axis
+  std::vector<Vec3> p;  ///< on the surface
+  /// Unit. oriented: geometric normal on the lit side; glossy: shading normal as the BSDF has it (opaque surfaces: on
+  /// the lit side; rough glass: the outside, wi . n < 0 inside); directional: direction of travel; spot: axis
+  std::vector<Vec3> n;
   std::vector<Vec3> ng;       ///< geometric normal on the same side as n
   std::vector<float> offset;  ///< see SurfacePoint::offset
   std::vector<Rgb> light;     ///< see LightKind; already divided by the number of walks
@@ -47,9 +50,8 @@ struct VirtualLights {
 };
 
 struct LightParams {
-  std::uint64_t n_lights =
-      100000;          ///< walks are made until this many are there; the last walk is kept whole or not at all
-  bool direct = true;  ///< false: no lights of bounce 0 (direct light is sampled at receivers)
+  std::uint64_t n_lights = 100000;  ///< expected number: as many walks are made as a pilot of 1024 says
+  bool direct = true;               ///< false: no lights of bounce 0 (direct light is sampled at receivers)
   RandomKey key;
 };
 
@@ -60,6 +62,8 @@ struct LightResult {
 
 /// Photon-like walks from all emitters by power, BSDF sampling, Russian roulette; one light a vertex with wide lobes.
 /// Lights are ordered by walk. Number of walks is fixed beforehand from a pilot so that the estimate stays unbiased.
+/// Bounces go up to world.max_depth - 2: exact for receivers at depth 1; deeper receivers (behind mirrors or glass) see
+/// paths longer than max_depth by their depth - 1.
 LightResult trace_lights(const World& world, const LightParams& params, Progress& progress);
 
 /// PLY point cloud; layout in docs/formats.md. Binary little endian when `binary`.

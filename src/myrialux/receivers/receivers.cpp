@@ -25,7 +25,6 @@ std::optional<Reached> follow_sharp(const World& world, Ray ray, Rng& rng, std::
                                     RowOfSamples& row);
 void append(Receivers& to, const Reached& reached, std::size_t sample);
 void record_first_hit(const Camera& camera, CameraSamples& samples, std::size_t sample, const Vertex& vertex);
-bool is_black_back(const Vertex& vertex);
 /// Joins rows in order, freeing each on the way.
 Receivers join(std::vector<RowOfSamples> rows);
 
@@ -120,8 +119,9 @@ void append(Receivers& to, const Reached& reached, std::size_t sample) {
   const bool inside = dot(v.n, v.wo) < 0;
   to.p.push_back(v.surface.p);
   to.offset.push_back(v.surface.offset);
-  to.ng.push_back(dot(v.surface.ng, v.wo) < 0 ? -v.surface.ng : v.surface.ng);
-  to.n.push_back(inside ? -v.n : v.n);
+  const Vec3 n = inside ? -v.n : v.n;
+  to.ng.push_back(dot(v.surface.ng, n) < 0 ? -v.surface.ng : v.surface.ng);
+  to.n.push_back(n);
   to.wo.push_back(v.wo);
   to.bsdf.push_back(v.params);
   to.beta.push_back(reached.beta);
@@ -134,14 +134,6 @@ void record_first_hit(const Camera& camera, CameraSamples& samples, std::size_t 
   samples.albedo[sample] = albedo(vertex.bsdf);
   samples.normal[sample] = vertex.n;
   samples.depth[sample] = length(vertex.surface.p - camera.to_world.point({}));
-}
-
-/// Opaque and one-sided, seen from behind: no light leaves there.
-bool is_black_back(const Vertex& vertex) {
-  const BsdfKind kind = vertex.bsdf.kind;
-  const bool opaque = kind != BsdfKind::dielectric && kind != BsdfKind::thin_dielectric &&
-                      kind != BsdfKind::rough_dielectric && kind != BsdfKind::null;
-  return opaque && dot(vertex.n, vertex.wo) <= 0;
 }
 
 template <class T>

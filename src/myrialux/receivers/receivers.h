@@ -14,7 +14,8 @@ namespace myrialux {
 struct Receivers {
   std::vector<Vec3> p;        ///< on the surface
   std::vector<float> offset;  ///< see SurfacePoint::offset
-  std::vector<Vec3> ng, n;    ///< geometric and shading normal, each on the side of wo (n = -(the BSDF's) if inside)
+  std::vector<Vec3> ng, n;    ///< geometric and shading normal; n on the side of wo (= -(the BSDF's) if inside), ng on
+                              ///< the side of n
   std::vector<Vec3> wo;       ///< unit, towards where the camera path came from
   std::vector<BsdfParams> bsdf;
   std::vector<Rgb> beta;              ///< path weight from the camera, choice of lobes included

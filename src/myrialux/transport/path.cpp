@@ -3,10 +3,10 @@
 
 namespace myrialux {
 
-Rgb path_radiance(const World& world, Ray ray, int depth, Rng& rng, PathCounters& counters) {
+Rgb path_radiance(const World& world, Ray ray, int depth, Rng& rng, PathCounters& counters, FirstHit* first) {
   CameraWalk walk;
   walk.depth = depth;
-  return follow_path(world, ray, walk, rng, counters);
+  return follow_path(world, ray, walk, rng, counters, first);
 }
 
 Rgb reflected_radiance(const World& world, const Vertex& vertex, Lobes lobes, int depth, Rng& rng,
@@ -30,11 +30,9 @@ Rgb emitter_sample(const World& world, const Vertex& vertex, Lobes lobes, const 
                    float u_pick, Vec2 u, PathCounters& counters) {
   const auto light = world.emitters.sample_direct(vertex.surface.p, u_pick, u);
   if (!light || !(light->pdf_omega > 0) || is_black(light->radiance)) return {};
-  float kept = 1;
-  if (params.clamp_distance > 0) {
-    if (light->is_distant || light->distance >= params.clamp_distance) return {};
-    kept = clamped_part(light->distance, params.clamp_distance);
-  }
+  const float kept =
+      params.lost_only ? lost_part(vertex.surface, light->wi, light->distance, params.clamp_distance) : 1;
+  if (kept == 0) return {};
   const Vec3 wi = vertex.to_local(light->wi), wo = vertex.to_local(vertex.wo);
   const Rgb f = evaluate(vertex.bsdf, wi, wo, lobes);
   if (is_black(f)) return {};

@@ -44,9 +44,16 @@ struct Vertex {
 };
 Vertex make_vertex(const World& world, const SurfacePoint& surface, Vec3 wo);
 
+/// The first surface of a path, as AOVs show it.
+struct FirstHit {
+  bool any = false;
+  Vec3 p, n;  ///< shading normal, turned as Vertex::n
+  Rgb albedo;
+};
+
 /// Radiance arriving along `ray` by the plain path tracer: emission at the first hit included with full weight.
-/// @param depth edges used before this ray (0 for camera rays)
-Rgb path_radiance(const World& world, Ray ray, int depth, Rng& rng, PathCounters& counters);
+/// @param depth edges used before this ray (0 for camera rays); @param first set to what the ray met, for AOVs
+Rgb path_radiance(const World& world, Ray ray, int depth, Rng& rng, PathCounters& counters, FirstHit* first = nullptr);
 
 /// Radiance reflected at `vertex` towards wo by the chosen lobes: direct light by MIS, then continued as path_radiance.
 /// @param depth edges from the camera to this vertex

@@ -2,8 +2,9 @@
 // its sharp lobes, and the part that clamping took away. Unbiased compensation after [kollig06].
 //
 // A virtual light at distance d < c counts d^2 / c^2 of its light, so that 1 - d^2 / c^2 of what leaves y by its wide
-// lobes (and of y's emission, where bounce-0 lights carry it) is missing. Emission clamped away is found by an emitter
-// sample and by the path together (MIS), light of point emitters by the emitter sample alone.
+// lobes (and of y's emission, where bounce-0 lights carry it) is missing. All of it is missing where geometric and
+// shading normal disagree about the side. Emission missing is found by an emitter sample and by the path together
+// (MIS), light of point emitters by the emitter sample alone.
 #include "myrialux/transport/walk.h"
 
 namespace myrialux {
@@ -13,13 +14,14 @@ Rgb residual_radiance(const World& world, const Vertex& vertex, const ResidualPa
   if (!within_depth(world, params.depth + 1)) return {};
   const float c = params.clamp_distance;
 
-  // Emission near by that clamped bounce-0 lights lost.
+  // Emission that bounce-0 lights lost.
   Rgb sum;
-  const bool emission_clamped = !params.direct_by_sampling && c > 0;
-  if (emission_clamped) {
+  const bool smooth = std::fabs(dot(vertex.surface.ng, vertex.surface.n)) < 1 - 1e-6f;
+  if (!params.direct_by_sampling && (c > 0 || smooth)) {
     const float u_pick = rng.next();
     const Vec2 u{rng.next(), rng.next()};
-    sum += emitter_sample(world, vertex, Lobes::wide, {.mis = true, .clamp_distance = c}, u_pick, u, counters);
+    const EmitterSampleParams lost{.mis = true, .lost_only = true, .clamp_distance = c};
+    sum += emitter_sample(world, vertex, Lobes::wide, lost, u_pick, u, counters);
   }
 
   // One step by the wide lobes.
@@ -28,15 +30,14 @@ Rgb residual_radiance(const World& world, const Vertex& vertex, const ResidualPa
   Ray ray;
   if (!scatter(world, vertex, Lobes::wide, walk, ray, rng)) return sum;
   const auto hit = next_surface(world, ray, walk.depth, counters);
-  const float missing = hit ? clamped_part(length(hit->p - vertex.surface.p), c) : 0;
-  if (params.direct_by_sampling)
-    sum += walk.beta * met_emission(world, walk, hit ? &*hit : nullptr, ray);
-  else if (missing > 0)
-    sum += walk.beta * missing * met_emission(world, walk, &*hit, ray);
+  const float lost = lost_part(vertex.surface, ray.direction, hit ? length(hit->p - vertex.surface.p) : kInfinity, c);
+  const float emission_part = params.direct_by_sampling ? 1 : lost;
+  if (emission_part > 0) sum += walk.beta * met_emission(world, walk, hit ? &*hit : nullptr, ray) * emission_part;
   ++walk.depth;
   if (!hit || !within_depth(world, walk.depth + 1)) return sum;
 
-  // What the surface met sends on: sharp lobes fully, wide ones as far as they were clamped. One of them is followed.
+  // What the surface met sends on: sharp lobes fully, wide ones as far as they were lost. One of them is followed.
+  const float missing = sides_disagree(*hit, ray.direction) ? 1 : lost;
   const Vertex y = make_vertex(world, *hit, -ray.direction);
   const float sharp = sharp_probability(y.bsdf, y.to_local(y.wo));
   const bool follow_sharp = rng.next() < sharp;

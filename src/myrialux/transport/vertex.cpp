@@ -1,5 +1,5 @@
 // From a hit to a vertex that can be shaded: BSDF with textures looked up, two-sided materials turned to the viewer.
-#include "myrialux/transport/paths.h"
+#include "myrialux/transport/walk.h"
 
 namespace myrialux {
 
@@ -15,6 +15,13 @@ Vertex make_vertex(const World& world, const SurfacePoint& surface, Vec3 wo) {
   vertex.flipped = !front && world.scene.materials[index(surface.material)].two_sided;
   vertex.n = vertex.flipped ? -surface.n : surface.n;
   return vertex;
+}
+
+bool is_black_back(const Vertex& vertex) {
+  const BsdfKind kind = vertex.bsdf.kind;
+  const bool opaque = kind != BsdfKind::dielectric && kind != BsdfKind::thin_dielectric &&
+                      kind != BsdfKind::rough_dielectric && kind != BsdfKind::null;
+  return opaque && dot(vertex.n, vertex.wo) <= 0;
 }
 
 }  // namespace myrialux

@@ -1,6 +1,8 @@
 // Steps of camera paths: emission met, next direction, Russian roulette. Rules as Mitsuba's `path` has them.
 #include "myrialux/transport/walk.h"
 
+#include <utility>
+
 namespace myrialux {
 
 float emission_weight(const World& world, const CameraWalk& walk, const SurfacePoint* hit, Vec3 direction) {
@@ -53,14 +55,16 @@ bool scatter(const World& world, const Vertex& vertex, Lobes lobes, CameraWalk& 
   return true;
 }
 
-Rgb follow_path(const World& world, Ray ray, CameraWalk walk, Rng& rng, PathCounters& counters) {
+Rgb follow_path(const World& world, Ray ray, CameraWalk walk, Rng& rng, PathCounters& counters, FirstHit* first) {
   Rgb sum;
   while (within_depth(world, walk.depth + 1)) {
     const auto hit = next_surface(world, ray, walk.depth, counters);
     sum += walk.beta * met_emission(world, walk, hit ? &*hit : nullptr, ray);
-    ++walk.depth;
-    if (!hit || !within_depth(world, walk.depth + 1)) break;
+    if (!hit) break;
     const Vertex vertex = make_vertex(world, *hit, -ray.direction);
+    if (first) *std::exchange(first, nullptr) = {true, hit->p, vertex.n, albedo(vertex.bsdf)};
+    ++walk.depth;
+    if (!within_depth(world, walk.depth + 1)) break;
     sum += walk.beta * next_event(world, vertex, Lobes::all, /*mis=*/true, rng, counters);
     if (!scatter(world, vertex, Lobes::all, walk, ray, rng)) break;
   }

@@ -1,6 +1,7 @@
 // One step of a camera path, shared by path tracing, receivers and residuals: emission met, and the next direction.
 #pragma once
 
+#include <cmath>
 #include <optional>
 
 #include "myrialux/transport/paths.h"
@@ -25,12 +26,22 @@ inline float mis_weight(float a, float b) {
   return 1 / (1 + r * r);
 }
 
-/// Part of the light from distance d that clamping the geometry term at c took away; c = 0: none.
-inline float clamped_part(float d, float c) { return d < c ? 1 - (d * d) / (c * c) : 0; }
+/// Geometric and shading normal disagree on which side of the surface w leaves. Virtual lights are not joined so
+/// (transfer.h, is_active), camera paths go there.
+inline bool sides_disagree(const SurfacePoint& s, Vec3 w) {
+  return std::copysign(1.0f, dot(s.ng, s.n)) * dot(s.ng, w) * dot(s.n, w) <= 0;
+}
+/// Part of the light from direction wi and distance d that virtual lights do not bring to x: all of it if the sides
+/// disagree, else what clamping the geometry term at c took away; c = 0: nothing.
+inline float lost_part(const SurfacePoint& x, Vec3 wi, float d, float c) {
+  if (sides_disagree(x, wi)) return 1;
+  return d < c ? 1 - (d * d) / (c * c) : 0;
+}
 
-/// One emitter sample; with clamp_distance > 0 only what clamping removed counts.
+/// One emitter sample.
 struct EmitterSampleParams {
   bool mis = true;
+  bool lost_only = false;  ///< times lost_part(): what bounce-0 lights clamped at clamp_distance did not bring
   float clamp_distance = 0;
 };
 Rgb emitter_sample(const World& world, const Vertex& vertex, Lobes lobes, const EmitterSampleParams& params,
@@ -42,6 +53,9 @@ float emission_weight(const World& world, const CameraWalk& walk, const SurfaceP
 /// Emission met at the end of `ray`, MIS weight included, walk.beta not; `hit` is null where nothing was met.
 Rgb met_emission(const World& world, const CameraWalk& walk, const SurfacePoint* hit, const Ray& ray);
 
+/// An opaque one-sided surface met from behind: it neither reflects nor passes light on.
+bool is_black_back(const Vertex& vertex);
+
 /// First surface along a ray that leaves the camera or a bounce. Camera rays pass through emitters' shapes when the
 /// scene hides emitters, as Mitsuba's do.
 std::optional<SurfacePoint> next_surface(const World& world, const Ray& ray, int depth, PathCounters& counters);
@@ -52,6 +66,7 @@ std::optional<SurfacePoint> next_surface(const World& world, const Ray& ray, int
 bool scatter(const World& world, const Vertex& vertex, Lobes lobes, CameraWalk& walk, Ray& ray, Rng& rng);
 
 /// Follows a path from `ray` to its end and adds up what it meets (times walk.beta).
-Rgb follow_path(const World& world, Ray ray, CameraWalk walk, Rng& rng, PathCounters& counters);
+Rgb follow_path(const World& world, Ray ray, CameraWalk walk, Rng& rng, PathCounters& counters,
+                FirstHit* first = nullptr);
 
 }  // namespace myrialux
