@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 
 #include "myrialux/base/clock.h"
 #include "myrialux/kernels/active_bits.h"
 #include "myrialux/kernels/shadow_ends.h"
 #include "myrialux/matrix/bit_ops.h"
+#include "myrialux/transfer/transfer.h"
 
 namespace myrialux {
 namespace {

@@ -30,7 +30,6 @@ class SliceVisibility final : public EntrySource {
   std::uint64_t rays() const;     ///< shadow rays so far
   std::uint64_t packets() const;  ///< packets they travelled in
   double trace_seconds() const;   ///< CPU seconds this thread spent in trace()
-  double trace_seconds() const;   ///< CPU time spent in trace() so far
   std::size_t memory_bytes() const;
 
  private:
