@@ -21,7 +21,8 @@ inline constexpr float kDefaultSharpAlpha = 0.1f;
 struct BsdfParams {
   MaterialId material = kNone<MaterialId>;  ///< after choosing front or back
   float alpha = 0;
-  Rgb reflectance, specular;  ///< transmittance comes from the material (its texture's mean if textured)
+  Rgb reflectance;  ///< of the diffuse part; dielectric kinds, which have none, keep their transmittance here
+  Rgb specular;
 };
 
 /// Ready to evaluate. Isotropic roughness (anisotropic input is averaged by the loader with a warning).
@@ -32,7 +33,9 @@ struct Bsdf {
   bool sharp_gloss = false;                         ///< the glossy lobe is delta or alpha <= sharp_alpha
   float alpha = 0, eta = 1;                         ///< eta: interior / exterior
   float inverse_eta_squared = 1, fdr_internal = 0;  ///< plastic: diffuse Fresnel reflectance from inside
-  float specular_weight = 0;  ///< probability of sampling the glossy lobe before Fresnel (plastic)
+  float specular_weight = 0;                 ///< probability of sampling the glossy lobe before Fresnel (plastic)
+  const float* transmittance_row = nullptr;  ///< rough plastic: see rough_transmittance.h; lives with the program
+  float transmittance_mix = 0;
   Rgb reflectance, specular, transmittance, eta_metal, k_metal;
 };
 
