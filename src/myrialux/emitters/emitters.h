@@ -1,11 +1,10 @@
 // Sampling of a scene's emitters: towards a point (next-event estimation) and outwards (light walks), with densities.
 #pragma once
 
+#include <memory>
 #include <optional>
-#include <vector>
 
 #include "myrialux/base/ids.h"
-#include "myrialux/math/distribution.h"
 #include "myrialux/math/vec.h"
 #include "myrialux/scene/scene.h"
 
@@ -39,6 +38,8 @@ class Emitters {
   /// Needs the scene's bounds for environment and directional emitters.
   /// @throws Error (input) when the scene has no emitter or all are black.
   Emitters(const Scene& scene, const Box3& bounds);
+  ~Emitters();
+  Emitters(Emitters&&) noexcept;
 
   /// Le leaving an area emitter at p towards -direction (direction of travel of the viewing ray). 0 from behind.
   Rgb emitted(EmitterId emitter, Vec2 uv, Vec3 n, Vec3 direction) const;
@@ -61,16 +62,9 @@ class Emitters {
   float probability(EmitterId emitter) const;  ///< of being picked
 
  private:
-  struct AreaTable;
-  const Scene& scene_;
+  struct State;
+  std::unique_ptr<const State> state_;
   EmitterId environment_ = kNone<EmitterId>;
-  Vec3 centre_;
-  float radius_ = 0;  ///< of the sphere around the scene
-  std::vector<Rgb> powers_;
-  Distribution1D pick_;
-  std::vector<Distribution1D> triangle_pick_;  ///< by area, for each area emitter on a mesh (else empty)
-  std::vector<float> areas_;                   ///< for each area emitter
-  Distribution2D environment_map_;
 };
 
 }  // namespace myrialux

@@ -33,6 +33,12 @@ inline Vec3 sample_cone(Vec2 u, float cos_max) {
   const float z = 1 - u.x * (1 - cos_max), r = std::sqrt(std::max(0.0f, 1 - z * z)), phi = 2 * kPi * u.y;
   return {r * std::cos(phi), r * std::sin(phi), z};
 }
+/// The same for cones so narrow that 1 - cos(half angle) =: versine has to be known by itself; density
+/// 1 / (2 pi versine).
+inline Vec3 sample_narrow_cone(Vec2 u, float versine) {
+  const float s = u.x * versine, r = std::sqrt(std::max(0.0f, s * (2 - s))), phi = 2 * kPi * u.y;
+  return {r * std::cos(phi), r * std::sin(phi), 1 - s};
+}
 inline float cone_pdf_omega(float cos_max) { return 1 / (2 * kPi * (1 - cos_max)); }
 
 /// Uniform barycentric coordinates (b1, b2) of a triangle.
