@@ -21,6 +21,7 @@ struct Picture {
     std::vector<float> pixels;          ///< [height * width * channels.size()], row by row from the top
   };
   std::vector<Layer> layers;
+  /// A new layer of zeros, of the picture's size; the name must be new. The reference holds until the next call.
   Layer& add_layer(const std::string& name, std::vector<std::string> channels);
   const Layer* find(const std::string& name) const;
 };
@@ -28,19 +29,29 @@ struct Picture {
 /// Weighs samples into pixels: pixel = sum f(x) L / sum f(x) over samples within the filter's radius, in fixed order.
 /// `position` in pixels from the top left, sorted by pixel: sample k of pixel i is i * spp + k. Parallel,
 /// deterministic.
-/// @param values [n_samples]; adds sums and weights to `sum` [pixels] and `weight` [pixels] in double, so that passes
-/// add up
+/// @param values [n_samples]; adds sums and weights to `sum` [3 * pixels] and `weight` [pixels] in double, so that
+/// passes add up
 void accumulate(std::span<const Vec2> position, std::span<const Rgb> values, int width, int height, int spp,
                 const Filter& filter, std::vector<double>& sum_rgb, std::vector<double>& weight);
 
 /// Parameters kept in an EXR header, as text.
 using Metadata = std::map<std::string, std::string>;
 
-/// Writes by extension (.exr all layers, float32; .png .jpg .hdr the beauty; png and jpg with sRGB curve and `exposure`
-/// in stops). Written beside the target and renamed: a half picture never stands under the final name.
-/// @throws Error (output); (input) if a pixel is not finite, naming it.
+/// Extensions that write_picture knows, with the dot: .exr .png .jpg .jpeg .hdr
+const std::vector<std::string>& picture_extensions();
+/// The extension of `path` in small letters. @throws Error (usage) listing the known ones, if it is none of them
+std::string picture_extension(const std::string& path);
+
+/// Writes by extension (.exr all layers, float32, ZIP; .hdr the beauty; .png .jpg the beauty with sRGB curve and
+/// `exposure` in stops). Written beside the target and renamed: a half picture never stands under the final name.
+/// Layers of an EXR stand in the file's alphabetical order. Metadata goes to EXR only.
+/// @throws Error (output); (usage) for an unknown extension; (input) if a pixel is not finite, naming it.
 void write_picture(const Picture& picture, const std::string& path, const Metadata& metadata, float exposure = 0);
-/// Reads EXR, HDR, PNG, ... as layers.
-Picture read_picture(const std::string& path);
+
+/// Reads EXR, HDR, PNG, ... as layers ("albedo.R" is channel R of layer "albedo"; R G B without a dot are layer "").
+/// Pictures of 8 or 16 bits come back linear (their sRGB curve undone).
+/// @param metadata if not null, gets the header's text attributes
+/// @throws Error (input)
+Picture read_picture(const std::string& path, Metadata* metadata = nullptr);
 
 }  // namespace myrialux

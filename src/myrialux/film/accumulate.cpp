@@ -1,0 +1,66 @@
+// Weighs camera samples into pixels by a separable reconstruction filter.
+#include <algorithm>
+#include <cmath>
+
+#include "myrialux/base/assert.h"
+#include "myrialux/base/parallel.h"
+#include "myrialux/film/film.h"
+
+namespace myrialux {
+namespace {
+
+/// Weights of one sample along one axis for the pixels around its own, centre to centre distance up to `reach`.
+/// Positions are kept inside their pixel (rounding may have moved one to the next), so that no sample is lost.
+/// @param weight [2 * reach + 1], for pixels pixel - reach, ..., pixel + reach
+void axis_weights(const Filter& filter, float position, int pixel, int reach, float* weight) {
+  const float low = static_cast<float>(pixel), high = std::nextafter(low + 1, low);
+  const float x = std::clamp(position, low, high);
+  for (int d = -reach; d <= reach; ++d) weight[d + reach] = filter.evaluate(x - (low + static_cast<float>(d) + 0.5f));
+}
+
+}  // namespace
+
+void accumulate(std::span<const Vec2> position, std::span<const Rgb> values, int width, int height, int spp,
+                const Filter& filter, std::vector<double>& sum_rgb, std::vector<double>& weight) {
+  const std::size_t n_pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  MYRIALUX_ASSERT(position.size() == values.size() && position.size() == n_pixels * static_cast<std::size_t>(spp));
+  MYRIALUX_ASSERT(sum_rgb.size() == 3 * n_pixels && weight.size() == n_pixels);
+  // A sample anywhere in its pixel reaches at most this many pixels further.
+  const int reach = std::max(0, static_cast<int>(std::ceil(filter.radius + 0.5f)) - 1);
+  const std::size_t taps = static_cast<std::size_t>(2 * reach + 1);
+
+  // A block of rows gathers from its own samples and from those of `reach` rows around; each pixel receives them in the
+  // order of their indices, however rows are shared out.
+  constexpr int kRows = 32;
+  const std::size_t n_blocks = static_cast<std::size_t>((height + kRows - 1) / kRows);
+  parallel_for(n_blocks, [&](std::size_t block) {
+    const int y_begin = static_cast<int>(block) * kRows, y_end = std::min(height, y_begin + kRows);
+    std::vector<float> weight_x(taps), weight_y(taps);
+    for (int sy = std::max(0, y_begin - reach); sy < std::min(height, y_end + reach); ++sy)
+      for (int sx = 0; sx < width; ++sx)
+        for (int k = 0; k < spp; ++k) {
+          const std::size_t s =
+              (static_cast<std::size_t>(sy) * static_cast<std::size_t>(width) + static_cast<std::size_t>(sx)) *
+                  static_cast<std::size_t>(spp) +
+              static_cast<std::size_t>(k);
+          axis_weights(filter, position[s].x, sx, reach, weight_x.data());
+          axis_weights(filter, position[s].y, sy, reach, weight_y.data());
+          const Rgb value = values[s];
+          for (int y = std::max(y_begin, sy - reach); y <= std::min(y_end - 1, sy + reach); ++y) {
+            const double fy = weight_y[static_cast<std::size_t>(y - sy + reach)];
+            if (fy == 0) continue;
+            for (int x = std::max(0, sx - reach); x <= std::min(width - 1, sx + reach); ++x) {
+              const double f = fy * static_cast<double>(weight_x[static_cast<std::size_t>(x - sx + reach)]);
+              const std::size_t pixel =
+                  static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+              weight[pixel] += f;
+              sum_rgb[3 * pixel] += f * static_cast<double>(value.r);
+              sum_rgb[3 * pixel + 1] += f * static_cast<double>(value.g);
+              sum_rgb[3 * pixel + 2] += f * static_cast<double>(value.b);
+            }
+          }
+        }
+  });
+}
+
+}  // namespace myrialux

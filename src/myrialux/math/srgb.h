@@ -1,0 +1,15 @@
+// The sRGB curve between linear light and what 8-bit pictures hold (IEC 61966-2-1).
+#pragma once
+
+#include <cmath>
+
+namespace myrialux {
+
+inline float encode_srgb(float linear) {
+  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+}
+inline float decode_srgb(float encoded) {
+  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
+}
+
+}  // namespace myrialux

@@ -1,0 +1,87 @@
+// The numbers of a render as stats.json; what was not measured is null.
+#include "myrialux/report/stats.h"
+
+#include <sys/resource.h>
+
+#include <nlohmann/json.hpp>
+
+#include "myrialux/base/output_file.h"
+
+namespace myrialux {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// -1 stands for "not measured"; so does what is not a number.
+Json measured(double value) { return value >= 0 ? Json(value) : Json(nullptr); }
+
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+Json visibility_json(const RenderStats::Visibility& v) {
+  const bool any = v.entries > 0;
+  return {{"entries", v.entries},
+          {"traced", v.traced},
+          {"fraction", any ? Json(static_cast<double>(v.traced) / static_cast<double>(v.entries)) : Json(nullptr)},
+          {"false_visible_estimate", measured(v.false_visible_estimate)},
+          {"false_occluded_estimate", measured(v.false_occluded_estimate)},
+          {"fully_sampled_columns", v.fully_sampled_columns},
+          {"verified_columns", v.verified_columns}};
+}
+
+/// The stages of the contract in their order, then any others.
+Json times_json(const std::map<std::string, double>& time_s) {
+  Json times = Json::object();
+  for (const char* stage :
+       {"load", "build", "receivers", "lights", "cluster", "visibility", "complete", "shade", "film", "total"}) {
+    const auto it = time_s.find(stage);
+    times[stage] = it == time_s.end() ? Json(nullptr) : Json(it->second);
+  }
+  for (const auto& [stage, seconds] : time_s)
+    if (!times.contains(stage)) times[stage] = seconds;
+  return times;
+}
+
+}  // namespace
+
+std::string to_json(const RenderStats& s) {
+  Json parameters = Json::object();
+  for (const auto& [key, value] : s.parameters) parameters[key] = value;
+  const Json json = {
+      {"version", MYRIALUX_VERSION},
+      {"scene", s.scene},
+      {"method", s.method},
+      {"parameters", parameters},
+      {"seed", s.seed},
+      {"threads", s.threads},
+      {"isa", text_or_null(s.isa)},
+      {"device", text_or_null(s.device)},
+      {"receivers", s.receivers},
+      {"virtual_lights", s.virtual_lights},
+      {"slices", s.slices},
+      {"clusters_mean", s.slices > 0 ? measured(s.clusters_mean) : Json(nullptr)},
+      {"passes", s.passes},
+      {"visibility", visibility_json(s.visibility)},
+      {"rays",
+       {{"camera", s.rays.camera},
+        {"light", s.rays.light},
+        {"shadow", s.rays.shadow},
+        {"compensation", s.rays.compensation}}},
+      {"time_s", times_json(s.time_s)},
+      {"memory_bytes",
+       {{"peak_rss", s.memory.peak_rss}, {"scene", s.memory.scene}, {"slices_peak", s.memory.slices_peak}}},
+      {"error", {{"estimate", measured(s.error_estimate)}, {"confidence", measured(s.error_confidence)}}},
+      {"clamped_energy_fraction", measured(s.clamped_energy_fraction)},
+      {"warnings", s.warnings}};
+  // File names need not be UTF-8; JSON must be.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::uint64_t peak_rss_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
+}
+
+void write_text_file(const std::string& path, const std::string& text) { write_file(path, text); }
+
+}  // namespace myrialux
