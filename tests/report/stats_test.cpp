@@ -1,0 +1,108 @@
+// stats.json: the keys of the contract, and text that parses whatever it holds.
+#include "myrialux/report/stats.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "myrialux/base/error.h"
+#include "support/temporary_folder.h"
+
+namespace myrialux {
+namespace {
+
+using nlohmann::ordered_json;
+using testing::ElementsAre;
+
+std::vector<std::string> keys(const ordered_json& object) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : object.items()) names.push_back(name);
+  return names;
+}
+
+RenderStats some_stats() {
+  RenderStats s;
+  s.scene = "room.xml", s.method = "bamc", s.seed = ~std::uint64_t{0}, s.threads = 7, s.isa = "AVX2";
+  s.receivers = 1000, s.virtual_lights = 2000, s.slices = 3, s.passes = 1, s.clusters_mean = 250.5;
+  s.visibility.entries = 400, s.visibility.traced = 100;
+  s.parameters["bamc.alpha"] = "0.025";
+  for (const char* stage : {"load", "build", "total", "direct"}) s.time_s[stage] = 0.5;
+  s.warnings = {"a", "b"};
+  return s;
+}
+
+TEST(Stats, HasTheKeysOfTheContractInOrder) {
+  const ordered_json j = ordered_json::parse(to_json(some_stats()));
+  EXPECT_THAT(keys(j), ElementsAre("version", "scene", "method", "parameters", "seed", "threads", "isa", "device",
+                                   "receivers", "virtual_lights", "slices", "clusters_mean", "passes", "visibility",
+                                   "rays", "time_s", "memory_bytes", "error", "clamped_energy_fraction", "warnings"));
+  EXPECT_THAT(keys(j["visibility"]),
+              ElementsAre("entries", "traced", "fraction", "false_visible_estimate", "false_occluded_estimate",
+                          "fully_sampled_columns", "verified_columns"));
+  EXPECT_THAT(keys(j["rays"]), ElementsAre("camera", "light", "shadow", "compensation"));
+  EXPECT_THAT(keys(j["time_s"]), ElementsAre("load", "build", "receivers", "lights", "cluster", "visibility",
+                                             "complete", "shade", "film", "total", "direct"));
+  EXPECT_THAT(keys(j["memory_bytes"]), ElementsAre("peak_rss", "scene", "slices_peak"));
+  EXPECT_THAT(keys(j["error"]), ElementsAre("estimate", "confidence"));
+}
+
+TEST(Stats, ValuesAreThoseCounted) {
+  const ordered_json j = ordered_json::parse(to_json(some_stats()));
+  EXPECT_EQ(j["version"], MYRIALUX_VERSION);
+  EXPECT_EQ(j["seed"].get<std::uint64_t>(), ~std::uint64_t{0}) << "64-bit seeds must not pass through a double";
+  EXPECT_EQ(j["visibility"]["fraction"], 0.25);
+  EXPECT_EQ(j["clusters_mean"], 250.5);
+  EXPECT_EQ(j["parameters"]["bamc.alpha"], "0.025");
+  EXPECT_EQ(j["warnings"].size(), 2u);
+  EXPECT_EQ(j["time_s"]["build"], 0.5);
+}
+
+TEST(Stats, WhatWasNotMeasuredIsNull) {
+  RenderStats s;
+  s.clamped_energy_fraction = std::numeric_limits<double>::quiet_NaN();
+  const ordered_json j = ordered_json::parse(to_json(s));
+  for (const char* pointer : {"/visibility/fraction", "/visibility/false_visible_estimate",
+                              "/visibility/false_occluded_estimate", "/clusters_mean", "/isa", "/time_s/load",
+                              "/time_s/total", "/error/estimate", "/error/confidence", "/clamped_energy_fraction"})
+    EXPECT_TRUE(j.at(ordered_json::json_pointer(pointer)).is_null()) << pointer;
+  EXPECT_TRUE(j["parameters"].is_object());
+  EXPECT_TRUE(j["warnings"].is_array());
+}
+
+TEST(Stats, AnyTextIsEscaped) {
+  RenderStats s;
+  s.scene = "a \"quoted\" \\ name\nwith\ttabs \xff and \xc3\xa9.xml";
+  s.warnings = {std::string("nul \0 inside", 12)};
+  const ordered_json j = ordered_json::parse(to_json(s));
+  EXPECT_EQ(j["scene"], "a \"quoted\" \\ name\nwith\ttabs \xef\xbf\xbd and \xc3\xa9.xml");
+  EXPECT_EQ(j["warnings"][0], (std::string("nul \0 inside", 12)));
+}
+
+TEST(Stats, PeakMemoryCoversWhatWasTouched) {
+  const std::vector<char> block(64 << 20, 1);
+  EXPECT_GE(peak_rss_bytes(), block.size());
+  EXPECT_LT(peak_rss_bytes(), std::uint64_t{1} << 40);
+}
+
+TEST(WriteTextFile, ReplacesWholeFilesAndLeavesNothingElse) {
+  const test::TemporaryFolder folder;
+  write_text_file(folder.file("a.json"), "one");
+  write_text_file(folder.file("a.json"), "two, longer");
+  EXPECT_EQ(folder.read("a.json"), "two, longer");
+  EXPECT_THAT(folder.names(), ElementsAre("a.json"));
+}
+
+TEST(WriteTextFile, RefusesFoldersAndMissingFolders) {
+  const test::TemporaryFolder folder;
+  for (const std::string& path : {folder.path().string(), folder.file("none/a.json"), std::string()}) try {
+      write_text_file(path, "text");
+      FAIL() << path;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::output);
+    }
+}
+
+}  // namespace
+}  // namespace myrialux
