@@ -13,13 +13,13 @@
 namespace myrialux {
 namespace {
 
-using testing::all_ones;
-using testing::bumpy;
-using testing::half_plane;
-using testing::LoggingEntries;
-using testing::planted;
-using testing::random_bits;
-using testing::two_discs;
+using test::all_ones;
+using test::bumpy;
+using test::half_plane;
+using test::LoggingEntries;
+using test::planted;
+using test::random_bits;
+using test::two_discs;
 
 struct Completed {
   BitMatrix visible;
@@ -119,7 +119,7 @@ TEST(Bamc, OneFlippedBitIsFoundAsOftenAsItIsSampled) {
 
 TEST(Bamc, EverythingTracedEqualsTheTruth) {
   Rng rng({4}, Stage::test, 0);
-  for (const testing::ShadowScene& scene : {two_discs(), bumpy(half_plane())}) {
+  for (const test::ShadowScene& scene : {two_discs(), bumpy(half_plane())}) {
     LoggingEntries source(scene.entries(rng));
     const Completed c = complete(source, {.alpha = 1, .beta = 0.025f, .omega = 1});
     expect_sound(source, c);

@@ -8,8 +8,8 @@
 namespace myrialux {
 namespace {
 
-using testing::all_ones;
-using testing::random_bits;
+using test::all_ones;
+using test::random_bits;
 
 TEST(ColumnBasis, FindsWhatAPlainLoopFinds) {
   Rng rng({1}, Stage::test, 0);

@@ -5,7 +5,7 @@
 
 #include "myrialux/matrix/known_entries.h"
 
-namespace myrialux::testing {
+namespace myrialux::test {
 
 class LoggingEntries : public KnownEntries {
  public:
@@ -42,4 +42,4 @@ class LoggingEntries : public KnownEntries {
   BitMatrix asked_;
 };
 
-}  // namespace myrialux::testing
+}  // namespace myrialux::test

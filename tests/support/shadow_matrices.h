@@ -10,7 +10,7 @@
 #include "myrialux/matrix/bit_ops.h"
 #include "myrialux/matrix/known_entries.h"
 
-namespace myrialux::testing {
+namespace myrialux::test {
 
 inline BitMatrix all_ones(std::size_t n_rows, std::size_t n_columns) {
   BitMatrix m(n_rows, n_columns);
@@ -126,4 +126,4 @@ inline WrongBits count_wrong(const KnownEntries& known, const BitMatrix& visible
   return n;
 }
 
-}  // namespace myrialux::testing
+}  // namespace myrialux::test
