@@ -50,6 +50,7 @@ class Builder {
 
 std::vector<Point> points_of_kind(const VirtualLights& lights, const LightTree& tree, LightKind kind, float scale);
 void split(std::span<Point> points);
+Vec3 cosine_normal(const VirtualLights& lights, std::size_t j);
 
 }  // namespace
 
@@ -114,6 +115,11 @@ std::vector<Point> points_of_kind(const VirtualLights& lights, const LightTree& 
   return points;
 }
 
+/// The normal whose cosine the light's intensity has.
+Vec3 cosine_normal(const VirtualLights& lights, std::size_t j) {
+  return lights.kind[j] == LightKind::glossy ? lights.ng[j] : lights.n[j];
+}
+
 /// Moves the lower half along the principal axis to the front; ties by light.
 void split(std::span<Point> points) {
   if (points.size() == 2) return;
@@ -155,7 +161,7 @@ void Builder::make_leaf(std::uint32_t index, std::uint32_t light) const {
   node.kind = lights_.kind[light];
   node.box.add(node.kind == LightKind::directional ? -lights_.n[light] : lights_.p[light]);
   const bool has_cosine = node.kind == LightKind::oriented || node.kind == LightKind::glossy;
-  node.cone_axis = has_cosine ? lights_.n[light] : Vec3{0, 0, 1};
+  node.cone_axis = has_cosine ? cosine_normal(lights_, light) : Vec3{0, 0, 1};
   node.cone_cos = has_cosine ? 1.0f : -1.0f;
   node.importance = tree_.importance[light];
   node.representative = static_cast<LightId>(light);
@@ -169,12 +175,13 @@ GlossyNode Builder::glossy_leaf(std::uint32_t light) const {
   const Bsdf bsdf = make_bsdf(world_.scene.materials[index(g.bsdf.material)], g.bsdf, world_.sharp_alpha);
   const LobeBounds bounds = lobe_bounds(bsdf, Frame(n).to_local(g.wi));
   const Rgb power = lights_.light[light];
+  const float lobe = geometric_cosine_factor(bounds, length(cross(n, lights_.ng[light])));
   GlossyNode node;
   node.mirror_axis = normalize(n * (2 * dot(n, g.wi)) - g.wi);
   node.mirror_cos = bounds.alpha <= kLargestShapedAlpha ? 1.0f : -1.0f;
   node.diffuse = luminance(power * bounds.diffuse);
-  node.gloss = luminance(power * peak_gloss(bounds));
-  node.any = luminance(power * bounds.any);
+  node.gloss = luminance(power * peak_gloss(bounds)) * lobe;
+  node.any = luminance(power * bounds.any) * lobe;
   node.alpha = std::min(bounds.alpha, kLargestShapedAlpha);
   return node;
 }

@@ -11,7 +11,7 @@ namespace myrialux {
 /// 64 bytes.
 struct LightNode {
   Box3 box;                            ///< of positions; directional: of the unit directions towards the lights
-  Vec3 cone_axis;                      ///< unit; all emission normals lie within the cone
+  Vec3 cone_axis;                      ///< unit; the normals of the lights' cosines lie within the cone (glossy: ng)
   float cone_cos = 1;                  ///< cosine of its half angle; -1: any direction (point, spot, directional)
   float importance = 0;                ///< sum of VirtualLights::importance
   std::uint32_t first = 0, count = 0;  ///< leaves below: LightTree::order[first .. first + count)

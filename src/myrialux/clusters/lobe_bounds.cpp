@@ -42,13 +42,14 @@ LobeBounds lobe_bounds(const Bsdf& bsdf, Vec3 fixed) {
   if (!gloss || bsdf.sharp_gloss) return bounds;
   set_shape(bsdf, bounds);
   const float shadowing = smith_g1(bsdf.distribution, bsdf.alpha, fixed, {0, 0, std::copysign(1.0f, fixed.z)});
-  const float lobe = kInvPi / (bsdf.alpha * bsdf.alpha) * shadowing / std::fabs(fixed.z);
+  constexpr float kFit = 1.0001f;  // Beckmann's fit of G1 passes 1 by this
+  const float lobe = kFit * kInvPi / (bsdf.alpha * bsdf.alpha) * shadowing / std::fabs(fixed.z);
   bounds.gloss = bsdf.specular * (lobe / 4);
   if (!rough_glass) return bounds;
 
-  // Refraction spreads into directions that the mirror says nothing about: the peak of [walter07, 21] for all of them.
-  // |eta_i i + eta_o o| >= |eta_i - eta_o|; once more eta^2 for radiance or power.
-  const float eta = std::max(bsdf.eta, 1 / bsdf.eta), peak = eta * eta / std::max(eta - 1, 1e-3f);
+  // Refraction spreads into directions that the mirror says nothing about: its peak counts for all of them. With the
+  // unit facet normal along i + eta o, |i + eta o| >= |1 - eta| [walter07, 16, 17]; eta^2 goes out for radiance.
+  const float eta = std::max(bsdf.eta, 1 / bsdf.eta), peak = eta / std::max(eta - 1, 1e-3f);
   bounds.any = peak_gloss(bounds) + peak_gloss({{},
                                                 bsdf.transmittance * (lobe * peak * peak),
                                                 {},
@@ -59,6 +60,11 @@ LobeBounds lobe_bounds(const Bsdf& bsdf, Vec3 fixed) {
                                                 bounds.t_least});
   bounds.gloss = {};
   return bounds;
+}
+
+float geometric_cosine_factor(const LobeBounds& bounds, float sine) {
+  // |w . ng| <= cos w + sine sin w, and sin w G1(w) / cos w <= 3.535 / alpha (Beckmann's fit; GGX: 2 / alpha).
+  return 1 + sine * 3.535f / bounds.alpha;
 }
 
 Rgb peak_gloss(const LobeBounds& bounds) {

@@ -18,6 +18,11 @@ struct LobeBounds {
 
 LobeBounds lobe_bounds(const Bsdf& bsdf, Vec3 fixed);
 
+/// Largest ratio of `gloss` and `any` with the geometric cosine |w . ng| in place of |cos w|, which a light's intensity
+/// has: shadowing of w makes up for 1 / |cos w| but for the roughness. 1 where the normals agree.
+/// @param sine between shading and geometric normal
+float geometric_cosine_factor(const LobeBounds& bounds, float sine);
+
 /// Larger than every shape() of alpha up to the argument, for glossy lights of several BSDFs: coefficients c1 = 1,
 /// c2 = 1 / 2, c3 = 0. Above this roughness lobes are bounded by their peak alone.
 inline constexpr float kLargestShapedAlpha = 0.7f;

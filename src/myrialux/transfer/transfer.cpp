@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-
 namespace myrialux {
 namespace {
 
@@ -100,12 +99,13 @@ Rgb intensity(const World& world, const VirtualLights& lights, std::size_t j, Ve
     case LightKind::oriented:
       return lights.light[j] * std::max(dot(lights.n[j], w), 0.0f);
     case LightKind::glossy: {
-      // evaluate() multiplies by the cosine of arrival; an intensity has the cosine of departure instead.
+      // evaluate() multiplies by the cosine of arrival; intensity has the geometric cosine of departure instead.
       const VirtualLights::Glossy& glossy = lights.glossy[lights.extra[j]];
       const Frame frame(lights.n[j]);
-      const Vec3 wi = frame.to_local(glossy.wi), wo = frame.to_local(w);
+      const Vec3 wi = frame.to_local(glossy.wi);
       if (wi.z == 0) return {};
-      return lights.light[j] * (evaluate(bsdf_of(world, glossy.bsdf), wi, wo, Lobes::wide) * std::fabs(wo.z / wi.z));
+      const Rgb f_cos = evaluate(bsdf_of(world, glossy.bsdf), wi, frame.to_local(w), Lobes::wide);
+      return lights.light[j] * (f_cos * std::fabs(dot(lights.ng[j], w) / wi.z));
     }
     case LightKind::point:
       return is_spot(lights, j) ? lights.light[j] * spot_falloff(lights.spots[lights.extra[j]], dot(lights.n[j], w))
