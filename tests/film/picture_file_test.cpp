@@ -102,6 +102,9 @@ TEST(PictureFile, SamePictureGivesSameBytes) {
     EXPECT_EQ(folder.read(std::string("a") + extension), folder.read(std::string("b") + extension));
     EXPECT_FALSE(folder.read(std::string("a") + extension).empty());
   }
+  Metadata header;
+  read_picture(folder.file("a.exr"), &header);
+  EXPECT_FALSE(header.contains("DateTime")) << "the hour of writing would tell the same picture apart";
 }
 
 TEST(PictureFile, PngHoldsTheSrgbCurveRounded) {

@@ -37,7 +37,8 @@ void linearise(Picture::Layer& layer) {
 Picture read_picture(const std::string& path, Metadata* metadata) {
   std::error_code none;
   if (!std::filesystem::exists(path, none)) refuse(path, "there is no such file");
-  OIIO::attribute("exr_threads", -1);
+  OIIO::attribute("exr_threads", -1);  // see write_picture
+  OIIO::attribute("debug", 0);
   const auto input = OIIO::ImageInput::open(path);
   if (!input) refuse(path, OIIO::geterror());
   input->threads(1);

@@ -70,6 +70,9 @@ void write_picture(const Picture& picture, const std::string& path, const Metada
     spec.nchannels = static_cast<int>(all.names.size());
     spec.channelnames = all.names;
     spec.attribute("compression", "zip");
+    // Without a date of its own OpenImageIO adds the hour of writing; one of the wrong type is dropped instead, and the
+    // same picture gives the same bytes.
+    spec.attribute("DateTime", 0);
     spec.attribute("oiio:ColorSpace", "Linear");
     const float rec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
     spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709);
@@ -143,8 +146,9 @@ std::vector<std::uint8_t> tone_map(const Picture& picture, const Picture::Layer&
 }
 
 Bytes encode(const std::string& path, const std::string& extension, const OIIO::ImageSpec& spec, const void* pixels) {
-  // OpenEXR's own threads may hang at exit; OpenImageIO compresses in the calling thread then.
+  // OpenEXR's own threads may hang at exit; without them the calling thread compresses.
   OIIO::attribute("exr_threads", -1);
+  OIIO::attribute("debug", 0);  // some builds print warnings by default
   const auto output = OIIO::ImageOutput::create(extension.substr(1));
   if (!output) refuse(path, OIIO::geterror());
   MYRIALUX_ASSERT(output->supports("ioproxy"));
