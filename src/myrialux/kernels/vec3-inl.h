@@ -49,6 +49,10 @@ HWY_INLINE Mask mask_of(D d, std::uint64_t bits, std::size_t row) {
   const std::uint64_t of_row = bits >> row;
   return hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&of_row));
 }
+/// Whether any row of the vector that starts at `row` is set.
+HWY_INLINE bool has_rows(std::uint64_t bits, std::size_t row) {
+  return (bits >> row & ((std::uint64_t{1} << hn::Lanes(D())) - 1)) != 0;
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace myrialux

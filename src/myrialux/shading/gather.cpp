@@ -1,79 +1,150 @@
 #include "myrialux/shading/gather.h"
 
+#include <cmath>
+
 #include "myrialux/base/assert.h"
 
 namespace myrialux {
 namespace {
 
 void put(Vec3 v, float* to) { to[0] = v.x, to[1] = v.y, to[2] = v.z; }
+void put(Rgb c, float* to) { to[0] = c.r, to[1] = c.g, to[2] = c.b; }
 
-/// The fast kernel's kind of a light, or -1.
-int diffuse_kind(const VirtualLights& lights, std::size_t j) {
-  switch (lights.kind[j]) {
-    case LightKind::oriented:
-      return static_cast<int>(DiffuseLight::oriented);
-    case LightKind::point:
-      return lights.extra[j] == 0xffffffffu ? static_cast<int>(DiffuseLight::point) : -1;
-    case LightKind::directional:
-      return static_cast<int>(DiffuseLight::directional);
-    case LightKind::glossy:
-      break;
-  }
-  return -1;
-}
-
-ColumnLight column_light(const VirtualLights& lights, const Column& column) {
-  const std::size_t j = index(column.light);
-  ColumnLight light{};
-  put(lights.p[j], light.p), put(lights.n[j], light.n), put(lights.ng[j], light.ng);
-  const Rgb rgb = column.weight * lights.light[j];
-  light.rgb[0] = rgb.r, light.rgb[1] = rgb.g, light.rgb[2] = rgb.b;
-  return light;
-}
+GeneralLight general_light(const VirtualLights& lights, const Column& column);
+bool add_spot(const VirtualLights::Spot& spot, GeneralLight& light, GatheredColumns& gathered);
+bool add_glossy(const World& world, const VirtualLights::Glossy& glossy, GeneralLight& light, CoatTables& tables,
+                GatheredColumns& gathered);
+void add_general(const GeneralLight& light, std::size_t column, GatheredColumns& gathered);
+void gather_row(const World& world, const Receivers& receivers, std::size_t i, std::size_t k, CoatTables& tables,
+                GatheredRows& gathered);
 
 }  // namespace
 
-void gather_columns(const VirtualLights& lights, std::span<const Column> columns, GatheredColumns& gathered) {
+void gather_columns(const World& world, const VirtualLights& lights, std::span<const Column> columns,
+                    CoatTables& tables, GatheredColumns& gathered) {
   for (DiffuseColumns& run : gathered.diffuse) run.lights.clear(), run.column.clear(), run.bumpy = false;
-  gathered.others.clear();
+  gathered.general.clear(), gathered.column.clear(), gathered.spots.clear(), gathered.lobes.clear();
+
+  // Spots and glossy lights come first, so that blocks of diffuse rows can stop after them.
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const std::size_t j = index(columns[c].light);
-    const int kind = diffuse_kind(lights, j);
-    if (kind < 0) {
-      gathered.others.push_back(static_cast<std::uint32_t>(c));
-      continue;
-    }
-    DiffuseColumns& run = gathered.diffuse[static_cast<std::size_t>(kind)];
-    run.lights.push_back(column_light(lights, columns[c]));
+    GeneralLight light = general_light(lights, columns[c]);
+    if ((light.shape == LightShape::spot && add_spot(lights.spots[lights.extra[j]], light, gathered)) ||
+        (light.shape == LightShape::glossy &&
+         add_glossy(world, lights.glossy[lights.extra[j]], light, tables, gathered)))
+      add_general(light, c, gathered);
+  }
+  gathered.n_slow = gathered.general.size();
+
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const GeneralLight light = general_light(lights, columns[c]);
+    if (light.shape == LightShape::spot || light.shape == LightShape::glossy) continue;
+    add_general(light, c, gathered);
+    DiffuseColumns& run = gathered.diffuse[static_cast<std::size_t>(light.shape)];
+    run.lights.push_back(light.at);
     run.column.push_back(static_cast<std::uint32_t>(c));
-    if (lights.kind[j] == LightKind::oriented && lights.n[j] != lights.ng[j]) run.bumpy = true;
+    const std::size_t j = index(columns[c].light);
+    if (light.shape == LightShape::oriented && lights.n[j] != lights.ng[j]) run.bumpy = true;
   }
 }
 
-void gather_rows(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
+void gather_rows(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows, CoatTables& tables,
                  GatheredRows& gathered) {
   MYRIALUX_ASSERT(rows.size() <= kBlockRows);
-  gathered = GatheredRows{};
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const std::size_t i = index(rows[k]);
-    const Vec3 p = receivers.p[i], n = receivers.n[i], ng = receivers.ng[i];
+  gathered.diffuse = gathered.others = 0;
+  gathered.lobes.rows.fill(0);
+  gathered.albedo.fill({});
+  gathered.bumpy = false;
+  for (std::size_t k = 0; k < rows.size(); ++k) gather_row(world, receivers, index(rows[k]), k, tables, gathered);
+  // Rows that do not exist copy the last one: their numbers are finite, and no bit ever names them.
+  for (std::size_t k = rows.size(); k < kBlockRows; ++k)
     for (int axis = 0; axis < 3; ++axis) {
-      gathered.block.p[axis][k] = p[axis];
-      gathered.block.n[axis][k] = n[axis];
-      gathered.block.ng[axis][k] = ng[axis];
+      RowBlock& b = gathered.block;
+      b.p[axis][k] = b.p[axis][rows.size() - 1];
+      b.n[axis][k] = b.n[axis][rows.size() - 1];
+      b.ng[axis][k] = b.ng[axis][rows.size() - 1];
     }
-    if (n != ng) gathered.bumpy = true;
-    const BsdfParams& bsdf = receivers.bsdf[i];
-    const Material& material = world.scene.materials[index(bsdf.material)];
-    const std::uint64_t bit = std::uint64_t{1} << k;
-    if (material.kind == BsdfKind::diffuse) {
-      if (receivers.inside[i]) continue;  // the back of a one-sided surface is black
-      gathered.diffuse |= bit;
-      gathered.albedo[k] = bsdf.reflectance * kInvPi;
-    } else {
-      gathered.others |= bit;
-    }
+}
+
+namespace {
+
+GeneralLight general_light(const VirtualLights& lights, const Column& column) {
+  const std::size_t j = index(column.light);
+  GeneralLight light;
+  put(lights.p[j], light.at.p), put(lights.n[j], light.at.n), put(lights.ng[j], light.at.ng);
+  put(column.weight * lights.light[j], light.at.rgb);
+  switch (lights.kind[j]) {
+    case LightKind::oriented:
+      light.shape = LightShape::oriented;
+      break;
+    case LightKind::glossy:
+      light.shape = LightShape::glossy;
+      break;
+    case LightKind::point:
+      light.shape = lights.extra[j] == 0xffffffffu ? LightShape::point : LightShape::spot;
+      break;
+    case LightKind::directional:
+      light.shape = LightShape::directional;
+      break;
+  }
+  return light;
+}
+
+bool add_spot(const VirtualLights::Spot& spot, GeneralLight& light, GatheredColumns& gathered) {
+  const float cutoff = std::acos(spot.cos_cutoff), width = cutoff - std::acos(spot.cos_beam);
+  light.extra = static_cast<std::uint32_t>(gathered.spots.size());
+  gathered.spots.push_back({spot.cos_cutoff, spot.cos_beam, cutoff, width > 0 ? 1 / width : 0});
+  return true;
+}
+
+/// False if the light sends nothing.
+bool add_glossy(const World& world, const VirtualLights::Glossy& glossy, GeneralLight& light, CoatTables& tables,
+                GatheredColumns& gathered) {
+  const Material& material = world.scene.materials[index(glossy.bsdf.material)];
+  const Vec3 n{light.at.n[0], light.at.n[1], light.at.n[2]};
+  const FixedLobes fixed =
+      fix_lobes(make_bsdf(material, glossy.bsdf, world.sharp_alpha), n, glossy.wi, FixedEnd::source, tables);
+  if (!fixed.any) return false;
+  if (fixed.mirrored)
+    for (float& x : light.at.ng) x = -x;
+  light.extra = static_cast<std::uint32_t>(gathered.lobes.size());
+  gathered.lobes.push_back(fixed.lobes);
+  return true;
+}
+
+void add_general(const GeneralLight& light, std::size_t column, GatheredColumns& gathered) {
+  gathered.general.push_back(light);
+  gathered.column.push_back(static_cast<std::uint32_t>(column));
+}
+
+void gather_row(const World& world, const Receivers& receivers, std::size_t i, std::size_t k, CoatTables& tables,
+                GatheredRows& gathered) {
+  const BsdfParams& params = receivers.bsdf[i];
+  const Vec3 p = receivers.p[i], n = receivers.n[i];
+  Vec3 ng = receivers.ng[i];
+  // The receiver's normals face wo; a BSDF seen from inside stands the other way round, and is mirrored back.
+  const Vec3 bsdf_n = receivers.inside[i] ? -n : n;
+  const FixedLobes fixed =
+      fix_lobes(make_bsdf(world.scene.materials[index(params.material)], params, world.sharp_alpha), bsdf_n,
+                receivers.wo[i], FixedEnd::viewer, tables);
+  if ((receivers.inside[i] != 0) != fixed.mirrored) ng = -ng;
+  if (n != ng) gathered.bumpy = true;
+  for (int axis = 0; axis < 3; ++axis) {
+    gathered.block.p[axis][k] = p[axis];
+    gathered.block.n[axis][k] = n[axis];
+    gathered.block.ng[axis][k] = ng[axis];
+  }
+  for (std::size_t f = 0; f < kLobeFields; ++f) gathered.lobes.field[f][k] = fixed.lobes.field[f];
+  if (!fixed.any) return;
+  const std::uint64_t bit = std::uint64_t{1} << k;
+  gathered.lobes.rows[lobe_class_index(fixed.lobes.lobe_class)] |= bit;
+  if (fixed.lobes.lobe_class.kind == LobeKind::diffuse) {
+    gathered.diffuse |= bit;
+    gathered.albedo[k] = params.reflectance * kInvPi;
+  } else {
+    gathered.others |= bit;
   }
 }
 
+}  // namespace
 }  // namespace myrialux

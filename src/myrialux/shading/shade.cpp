@@ -4,7 +4,6 @@
 
 #include "myrialux/base/assert.h"
 #include "myrialux/shading/gather.h"
-#include "myrialux/transfer/transfer.h"
 
 namespace myrialux {
 namespace {
@@ -13,23 +12,16 @@ namespace {
 struct Scratch {
   GatheredColumns columns;
   GatheredRows rows;
+  CoatTables tables;
   std::vector<std::uint64_t> bits;  ///< of the block's rows in the columns of one run
 };
 
-/// Rows of the block whose clamped-away light is summed.
-std::uint64_t tracked_rows(std::size_t first_row) {
-  std::uint64_t bits = 0;
-  for (std::size_t k = 0; k < kBlockRows; ++k) bits |= std::uint64_t{is_tracked_row(first_row + k)} << k;
-  return bits;
-}
-
-/// Bits of word `word` of the given columns, without those of rows that do not take part.
-std::span<const std::uint64_t> pick_bits(const BitMatrix& visible, std::span<const std::uint32_t> columns,
-                                         std::size_t word, std::uint64_t rows, std::vector<std::uint64_t>& bits) {
-  bits.resize(columns.size());
-  for (std::size_t k = 0; k < columns.size(); ++k) bits[k] = visible.column(columns[k])[word] & rows;
-  return bits;
-}
+std::uint64_t tracked_rows(std::size_t first_row);
+void shade_diffuse_rows(const BitMatrix& visible, std::size_t word, float clamp_distance, std::uint64_t tracked,
+                        Scratch& scratch, BlockSums& sums);
+void shade_other_rows(const BitMatrix& visible, std::size_t word, float clamp_distance, std::uint64_t tracked,
+                      Scratch& scratch, BlockSums& sums);
+Rgb row_of(const BlockFloats* rgb, std::size_t k) { return {rgb[0][k], rgb[1][k], rgb[2][k]}; }
 
 }  // namespace
 
@@ -39,44 +31,26 @@ ShadeResult shade_slice(const World& world, const Receivers& receivers, std::spa
   MYRIALUX_ASSERT(visible.n_rows() == rows.size() && visible.n_columns() == columns.size());
   MYRIALUX_ASSERT(radiance.size() == rows.size());
   thread_local Scratch scratch;
-  gather_columns(lights, columns, scratch.columns);
+  scratch.tables.clear();
+  gather_columns(world, lights, columns, scratch.tables, scratch.columns);
 
   ShadeResult result;
   double removed = 0, n_tracked = 0;
   for (std::size_t first = 0; first < rows.size(); first += kBlockRows) {
     const std::size_t word = first / kBlockRows, n = std::min(kBlockRows, rows.size() - first);
-    gather_rows(world, receivers, rows.subspan(first, n), scratch.rows);
+    gather_rows(world, receivers, rows.subspan(first, n), scratch.tables, scratch.rows);
     const std::uint64_t tracked = params.clamp_distance > 0 ? tracked_rows(first) : 0;
 
-    // Diffuse rows and lights, most of all pairs, need one colour a row only at the end.
-    BlockSums diffuse{};
-    for (std::size_t kind = 0; kind < scratch.columns.diffuse.size(); ++kind) {
-      const DiffuseColumns& run = scratch.columns.diffuse[kind];
-      shade_diffuse(scratch.rows.block,
-                    {.kind = static_cast<DiffuseLight>(kind),
-                     .lights = run.lights,
-                     .visible = pick_bits(visible, run.column, word, scratch.rows.diffuse, scratch.bits),
-                     .bumpy = run.bumpy || scratch.rows.bumpy,
-                     .clamp_distance = params.clamp_distance,
-                     .tracked = tracked},
-                    diffuse);
-    }
+    // Diffuse rows under diffuse lights, most of all pairs, need their colour only at the end.
+    BlockSums diffuse{}, others{};
+    shade_diffuse_rows(visible, word, params.clamp_distance, tracked, scratch, diffuse);
+    shade_other_rows(visible, word, params.clamp_distance, tracked, scratch, others);
     for (std::size_t k = 0; k < n; ++k) {
       const Rgb albedo = scratch.rows.albedo[k];
-      Rgb sum = albedo * Rgb{diffuse.rgb[0][k], diffuse.rgb[1][k], diffuse.rgb[2][k]};
-      const auto add = [&](std::size_t c) {
-        if (visible.test(first + k, c))
-          sum += columns[c].weight *
-                 transfer(world, receivers, rows[first + k], lights, columns[c].light, params.clamp_distance);
-      };
-      if (scratch.rows.others >> k & 1)
-        for (std::size_t c = 0; c < columns.size(); ++c) add(c);
-      else
-        for (const std::uint32_t c : scratch.columns.others) add(c);
-      radiance[first + k] = sum;
-      result.radiance_sum += luminance(sum);
+      radiance[first + k] = albedo * row_of(diffuse.rgb, k) + row_of(others.rgb, k);
+      result.radiance_sum += luminance(radiance[first + k]);
       if (tracked >> k & 1) {
-        removed += luminance(albedo * Rgb{diffuse.removed[0][k], diffuse.removed[1][k], diffuse.removed[2][k]});
+        removed += luminance(albedo * row_of(diffuse.removed, k) + row_of(others.removed, k));
         n_tracked += 1;
       }
     }
@@ -85,4 +59,54 @@ ShadeResult shade_slice(const World& world, const Receivers& receivers, std::spa
   return result;
 }
 
+namespace {
+
+/// Rows of the block whose clamped-away light is summed.
+std::uint64_t tracked_rows(std::size_t first_row) {
+  std::uint64_t bits = 0;
+  for (std::size_t k = 0; k < kBlockRows; ++k) bits |= std::uint64_t{is_tracked_row(first_row + k)} << k;
+  return bits;
+}
+
+void shade_diffuse_rows(const BitMatrix& visible, std::size_t word, float clamp_distance, std::uint64_t tracked,
+                        Scratch& scratch, BlockSums& sums) {
+  if (scratch.rows.diffuse == 0) return;
+  for (std::size_t kind = 0; kind < scratch.columns.diffuse.size(); ++kind) {
+    const DiffuseColumns& run = scratch.columns.diffuse[kind];
+    scratch.bits.resize(run.column.size());
+    for (std::size_t k = 0; k < run.column.size(); ++k)
+      scratch.bits[k] = visible.column(run.column[k])[word] & scratch.rows.diffuse;
+    shade_diffuse(scratch.rows.block,
+                  {.kind = static_cast<DiffuseLight>(kind),
+                   .lights = run.lights,
+                   .visible = scratch.bits,
+                   .bumpy = run.bumpy || scratch.rows.bumpy,
+                   .clamp_distance = clamp_distance,
+                   .tracked = tracked},
+                  sums);
+  }
+}
+
+/// Glossy rows under all lights; diffuse rows under spots and glossy lights.
+void shade_other_rows(const BitMatrix& visible, std::size_t word, float clamp_distance, std::uint64_t tracked,
+                      Scratch& scratch, BlockSums& sums) {
+  const GatheredColumns& columns = scratch.columns;
+  const std::uint64_t diffuse = scratch.rows.diffuse, others = scratch.rows.others;
+  const std::size_t n = others != 0 ? columns.general.size() : columns.n_slow;
+  if (n == 0) return;
+  scratch.bits.resize(n);
+  for (std::size_t k = 0; k < n; ++k)
+    scratch.bits[k] = visible.column(columns.column[k])[word] & (k < columns.n_slow ? diffuse | others : others);
+  shade_general(scratch.rows.block, scratch.rows.lobes,
+                {.lights = std::span(columns.general).first(n),
+                 .visible = scratch.bits,
+                 .spots = columns.spots,
+                 .lobes = columns.lobes,
+                 .tables = scratch.tables.values(),
+                 .clamp_distance = clamp_distance,
+                 .tracked = tracked},
+                sums);
+}
+
+}  // namespace
 }  // namespace myrialux

@@ -1,0 +1,140 @@
+// What arrives at the rows of a block from one light, unoccluded: direction and irradiance on a facing surface.
+// Included once for each instruction set.
+#include "myrialux/kernels/shade_general.h"
+#include "myrialux/kernels/targets.h"
+// Order matters: targets.h before Highway.
+#include "myrialux/kernels/lobes-inl.h"
+
+#if defined(MYRIALUX_KERNELS_INCIDENT_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef MYRIALUX_KERNELS_INCIDENT_INL
+#undef MYRIALUX_KERNELS_INCIDENT_INL
+#else
+#define MYRIALUX_KERNELS_INCIDENT_INL
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace myrialux {
+namespace HWY_NAMESPACE {
+
+struct alignas(64) Incident {
+  BlockFloats w[3];    ///< unit, towards the light
+  BlockFloats rgb[3];  ///< W m^-2, clamped; 0 where the light does not send to the row
+  BlockFloats side;    ///< of its sign: w . ng of the row
+  BlockFloats excess;  ///< unclamped over clamped, less 1; only where there is clamping
+};
+
+/// Calls visitor.visit<kind, ggx>() for the class.
+template <class Visitor>
+HWY_INLINE void visit_class(LobeClass c, const Visitor& visitor) {
+  switch (c.kind) {
+    case LobeKind::diffuse:
+      return visitor.template visit<LobeKind::diffuse, false>();
+    case LobeKind::coated:
+      return visitor.template visit<LobeKind::coated, false>();
+    case LobeKind::plastic:
+      return c.ggx ? visitor.template visit<LobeKind::plastic, true>()
+                   : visitor.template visit<LobeKind::plastic, false>();
+    case LobeKind::conductor:
+      return c.ggx ? visitor.template visit<LobeKind::conductor, true>()
+                   : visitor.template visit<LobeKind::conductor, false>();
+    case LobeKind::dielectric:
+      return c.ggx ? visitor.template visit<LobeKind::dielectric, true>()
+                   : visitor.template visit<LobeKind::dielectric, false>();
+  }
+}
+
+/// Linear in the angle between beam and cutoff.
+HWY_INLINE V spot_falloff(D d, const SpotCone& spot, V cos_axis) {
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+  const V inside = hn::Max(hn::Min(cos_axis, one), hn::Set(d, spot.cos_cutoff));
+  const V fall = hn::Mul(hn::Sub(hn::Set(d, spot.cutoff), hn::Acos(d, inside)), hn::Set(d, spot.inverse_width));
+  const V held = hn::Max(hn::Min(fall, one), zero);
+  return hn::IfThenElse(hn::Ge(cos_axis, hn::Set(d, spot.cos_beam)), one,
+                        hn::IfThenZeroElse(hn::Le(cos_axis, hn::Set(d, spot.cos_cutoff)), held));
+}
+
+/// Intensity towards each row as a factor of the light's colour. @param w towards the light
+/// @param side of its sign: -d . ng of the light, exact
+template <LightShape kShape, LobeKind kKind, bool kGgx>
+HWY_INLINE V3 intensity(D d, const GeneralRun& run, const GeneralLight& light, V3 w, V side) {
+  const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+  Mask live = hn::Gt(side, zero);
+  if constexpr (kShape == LightShape::oriented) {
+    const V cosine = hn::IfThenElseZero(live, hn::Max(hn::Neg(dot(spread(d, light.at.n), w)), zero));
+    return {cosine, cosine, cosine};
+  } else if constexpr (kShape == LightShape::spot) {
+    const V fall = spot_falloff(d, run.spots[light.extra], hn::Neg(dot(spread(d, light.at.n), w)));
+    return {fall, fall, fall};
+  } else if constexpr (kShape == LightShape::glossy) {
+    const SameFields fields{run.lobes[light.extra].field.data(), run.tables.data()};
+    live = hn::Eq(zero, zero);
+    const V3 away = {hn::Neg(w.x), hn::Neg(w.y), hn::Neg(w.z)};
+    const V3 value = evaluate_lobes<kKind, kGgx>(d, fields, away, side, live);
+    return {hn::IfThenElseZero(live, value.x), hn::IfThenElseZero(live, value.y), hn::IfThenElseZero(live, value.z)};
+  } else {
+    return {one, one, one};
+  }
+}
+
+/// @param bits rows wanted; vectors of rows without any are left as they are
+template <LightShape kShape, LobeKind kKind = LobeKind::diffuse, bool kGgx = false>
+void light_rows(const RowBlock& rows, const GeneralRun& run, const GeneralLight& light, std::uint64_t bits,
+                Incident& out) {
+  const D d;
+  const V least = hn::Set(d, kLeastSquaredDistance), one = hn::Set(d, 1.0f);
+  const V bound = hn::Set(d, inverse_squared_clamp(run.clamp_distance));
+  for (std::size_t row = 0; row < kBlockRows; row += hn::Lanes(d)) {
+    if (!has_rows(bits, row)) continue;
+    const V3 ng = load(d, rows.ng, row);
+    V3 rgb = spread(d, light.at.rgb), w;
+    if constexpr (kShape == LightShape::directional) {
+      const V3 n = spread(d, light.at.n);
+      w = {hn::Neg(n.x), hn::Neg(n.y), hn::Neg(n.z)};
+      hn::Store(dot_unfused(w, ng), d, out.side + row);
+      hn::Store(hn::Zero(d), d, out.excess + row);
+    } else {
+      const V3 to_light = spread(d, light.at.p) - load(d, rows.p, row);
+      const V inverse = hn::Div(one, hn::Max(dot(to_light, to_light), least)), clamped = hn::Min(inverse, bound);
+      w = to_light * hn::Sqrt(inverse);
+      const V light_side = hn::Neg(dot_unfused(to_light, spread(d, light.at.ng)));
+      rgb = rgb * intensity<kShape, kKind, kGgx>(d, run, light, w, light_side) * clamped;
+      hn::Store(dot_unfused(to_light, ng), d, out.side + row);
+      if (run.clamp_distance > 0) hn::Store(hn::Sub(hn::Div(inverse, clamped), one), d, out.excess + row);
+    }
+    store(d, w, out.w, row);
+    store(d, rgb, out.rgb, row);
+  }
+}
+
+struct GlossyLightVisitor {
+  const RowBlock& rows;
+  const GeneralRun& run;
+  const GeneralLight& light;
+  std::uint64_t bits;
+  Incident& out;
+  template <LobeKind kKind, bool kGgx>
+  void visit() const {
+    light_rows<LightShape::glossy, kKind, kGgx>(rows, run, light, bits, out);
+  }
+};
+
+inline void find_incident(const RowBlock& rows, const GeneralRun& run, const GeneralLight& light, std::uint64_t bits,
+                          Incident& out) {
+  switch (light.shape) {
+    case LightShape::oriented:
+      return light_rows<LightShape::oriented>(rows, run, light, bits, out);
+    case LightShape::point:
+      return light_rows<LightShape::point>(rows, run, light, bits, out);
+    case LightShape::directional:
+      return light_rows<LightShape::directional>(rows, run, light, bits, out);
+    case LightShape::spot:
+      return light_rows<LightShape::spot>(rows, run, light, bits, out);
+    case LightShape::glossy:
+      return visit_class(run.lobes[light.extra].lobe_class, GlossyLightVisitor{rows, run, light, bits, out});
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace myrialux
+HWY_AFTER_NAMESPACE();
+#endif

@@ -1,0 +1,64 @@
+// Wide lobes of a surface with one direction fixed, as flat numbers for kernels: a receiver's fixed direction leads to
+// the viewer, a glossy light's to where its power came from. The other direction varies from pair to pair.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "myrialux/kernels/shade_block.h"
+
+namespace myrialux {
+
+/// What is evaluated, in the frame whose z is the normal on the side of the fixed direction o; v is the other one.
+/// All values are f * |cos v|. D, G1, F: distribution of microfacets, its shadowing, Fresnel reflectance.
+enum class LobeKind : std::uint8_t {
+  diffuse,     ///< base * cos v
+  coated,      ///< base * cos v * (1 - F(v)): diffuse under a smooth coat
+  plastic,     ///< base * cos v * transmittance(v) + gloss * D G1(v) F
+  conductor,   ///< gloss * D G1(v) * (metal's F)
+  dielectric,  ///< gloss * D G1(v) F above, pass * D G1(v) (1 - F) |o.h v.h| / |o + eta v|^2 below
+};
+inline constexpr std::size_t kLobeKinds = 5;
+
+enum LobeField : std::size_t {
+  kFieldS = 0,          ///< 3: tangent, world
+  kFieldT = 3,          ///< 3: bitangent
+  kFieldN = 6,          ///< 3: normal
+  kFieldO = 9,          ///< 3: fixed direction in that frame, z > 0
+  kFieldBase = 12,      ///< 3: diffuse colour, with all factors that do not vary
+  kFieldGloss = 15,     ///< 3: specular colour * G1(o) / (4 cos o)
+  kFieldPass = 18,      ///< 3: transmitted colour * G1(o) / cos o (times eta^2 for a light)
+  kFieldEtaMetal = 21,  ///< 3
+  kFieldKMetal = 24,    ///< 3
+  kFieldAlpha = 27,     ///< roughness
+  kFieldEta = 28,       ///< index of the far side over that of o's side
+  kFieldInverseEta = 29,
+  kFieldTable = 30,  ///< plastic: where its transmittances start in the array of tables, a whole number
+  kLobeFields = 31
+};
+inline constexpr std::size_t kTableNodes = 64;  ///< transmittance at cosines k / 63, linear between
+
+/// Index of a set of lobes that one loop serves: kind and distribution.
+struct LobeClass {
+  LobeKind kind = LobeKind::diffuse;
+  bool ggx = false;  ///< else Beckmann; no difference for diffuse and coated
+  bool operator==(const LobeClass&) const = default;
+};
+inline constexpr std::size_t kLobeClasses = 2 * kLobeKinds;
+constexpr std::size_t lobe_class_index(LobeClass c) { return 2 * static_cast<std::size_t>(c.kind) + c.ggx; }
+constexpr LobeClass lobe_class(std::size_t index) { return {static_cast<LobeKind>(index / 2), index % 2 == 1}; }
+
+/// Lobes of one glossy light.
+struct LightLobes {
+  LobeClass lobe_class;
+  std::array<float, kLobeFields> field{};
+};
+
+/// Lobes of the rows of a block.
+struct alignas(64) RowLobes {
+  std::array<std::uint64_t, kLobeClasses> rows{};  ///< bits, by lobe_class_index()
+  BlockFloats field[kLobeFields];
+};
+
+}  // namespace myrialux

@@ -1,0 +1,101 @@
+#include "myrialux/shading/fixed_lobes.h"
+
+#include "myrialux/scattering/fresnel.h"
+#include "myrialux/scattering/lobes.h"
+#include "myrialux/scattering/microfacet.h"
+#include "myrialux/scattering/rough_transmittance.h"
+
+namespace myrialux {
+namespace {
+
+using Fields = std::array<float, kLobeFields>;
+
+void put(Vec3 v, std::size_t k, Fields& f) { f[k] = v.x, f[k + 1] = v.y, f[k + 2] = v.z; }
+void put(Rgb c, std::size_t k, Fields& f) { f[k] = c.r, f[k + 1] = c.g, f[k + 2] = c.b; }
+
+LobeKind lobe_kind(BsdfKind kind);
+
+/// Diffuse colour of plastic below its coat: what is reflected inside comes back, again and again.
+Rgb plastic_base(const Bsdf& bsdf) {
+  const Rgb lost = bsdf.nonlinear ? bsdf.reflectance * bsdf.fdr_internal : gray(bsdf.fdr_internal);
+  return bsdf.reflectance / (gray(1) - lost) * (kInvPi * bsdf.inverse_eta_squared);
+}
+
+}  // namespace
+
+std::size_t CoatTables::add(const float* row, float mix) {
+  static_assert(kTableNodes == kTransmittanceNodes);
+  // Rows of a slice mostly share a few materials, so the latest tables are the likeliest.
+  const std::size_t oldest = known_.size() > 8 ? known_.size() - 8 : 0;
+  for (std::size_t k = known_.size(); k-- > oldest;)
+    if (known_[k].row == row && known_[k].mix == mix) return k * kTableNodes;
+  known_.push_back({row, mix});
+  for (std::size_t node = 0; node < kTableNodes; ++node)
+    values_.push_back((1 - mix) * row[node] + mix * row[node + kTableNodes]);
+  return values_.size() - kTableNodes;
+}
+
+FixedLobes fix_lobes(const Bsdf& bsdf, Vec3 n, Vec3 fixed, FixedEnd end, CoatTables& tables) {
+  FixedLobes out;
+  const ChosenLobes chosen = choose_lobes(bsdf, Lobes::wide);
+  if (!chosen.any()) return out;
+  // Glass is alike on both sides once its index is turned round; all else is black below.
+  out.mirrored = dot(n, fixed) < 0;
+  if (out.mirrored && bsdf.kind != BsdfKind::rough_dielectric) return out;
+  const Frame frame(out.mirrored ? -n : n);
+  const Vec3 o = frame.to_local(fixed);
+  if (!(o.z > 0)) return out;
+  out.any = true;
+
+  out.lobes.lobe_class = {lobe_kind(bsdf.kind), bsdf.distribution == Microfacets::ggx};
+  Fields& f = out.lobes.field;
+  const float eta = out.mirrored ? 1 / bsdf.eta : bsdf.eta;
+  put(frame.s, kFieldS, f), put(frame.t, kFieldT, f), put(frame.n, kFieldN, f), put(o, kFieldO, f);
+  put(bsdf.eta_metal, kFieldEtaMetal, f), put(bsdf.k_metal, kFieldKMetal, f);
+  f[kFieldAlpha] = bsdf.alpha > 0 ? bsdf.alpha : 1;  // 0: no gloss is evaluated
+  f[kFieldEta] = eta, f[kFieldInverseEta] = 1 / eta;
+
+  if (bsdf.kind == BsdfKind::diffuse) put(bsdf.reflectance * kInvPi, kFieldBase, f);
+  if (bsdf.kind == BsdfKind::plastic) {
+    const float through = 1 - fresnel_dielectric(o.z, bsdf.eta).reflectance;
+    put(plastic_base(bsdf) * through, kFieldBase, f);
+  }
+  if (bsdf.kind == BsdfKind::rough_plastic) {
+    const float through = external_transmittance(bsdf.transmittance_row, bsdf.transmittance_mix, o.z);
+    put(plastic_base(bsdf) * through, kFieldBase, f);
+    f[kFieldTable] = static_cast<float>(tables.add(bsdf.transmittance_row, bsdf.transmittance_mix));
+  }
+  if (chosen.gloss) {
+    const float shadowing = smith_g1(bsdf.distribution, bsdf.alpha, o, {0, 0, 1});
+    put(bsdf.specular * (shadowing / (4 * o.z)), kFieldGloss, f);
+    // Radiance is squeezed by 1 / eta^2 on its way to the viewer; light walks carry power, which is not.
+    const float squeeze = end == FixedEnd::source ? eta * eta : 1;
+    put(bsdf.transmittance * (shadowing / o.z * squeeze), kFieldPass, f);
+  }
+  return out;
+}
+
+namespace {
+
+LobeKind lobe_kind(BsdfKind kind) {
+  switch (kind) {
+    case BsdfKind::plastic:
+      return LobeKind::coated;
+    case BsdfKind::rough_plastic:
+      return LobeKind::plastic;
+    case BsdfKind::rough_conductor:
+      return LobeKind::conductor;
+    case BsdfKind::rough_dielectric:
+      return LobeKind::dielectric;
+    case BsdfKind::diffuse:
+    case BsdfKind::conductor:
+    case BsdfKind::dielectric:
+    case BsdfKind::thin_dielectric:
+    case BsdfKind::null:
+      break;
+  }
+  return LobeKind::diffuse;
+}
+
+}  // namespace
+}  // namespace myrialux
