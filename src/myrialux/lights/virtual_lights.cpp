@@ -5,6 +5,7 @@
 #include "myrialux/lights/virtual_lights.h"
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "myrialux/base/parallel.h"
@@ -22,6 +23,7 @@ struct Block {
   std::uint64_t rays = 0;
 };
 void make_walk(const World& world, bool direct, Rng rng, Block& block);
+std::optional<SurfacePoint> next_scattering(const World& world, Ray ray, std::uint64_t& rays);
 void add_emission(const Scene& scene, const EmissionSample& e, VirtualLights& lights);
 void add_vertex(const Vertex& vertex, Rgb power, int bounce, VirtualLights& lights);
 void append(VirtualLights& to, const VirtualLights& from, float factor);
@@ -96,8 +98,7 @@ void make_walk(const World& world, bool direct, Rng rng, Block& block) {
   Rgb power = e.power;
   // A path through `bounce` edges, one to the receiver and one to the camera.
   for (int bounce = 1; !is_black(power) && within_depth(world, bounce + 2); ++bounce) {
-    ++block.rays;
-    const auto hit = world.tracer.closest(ray);
+    const auto hit = next_scattering(world, ray, block.rays);
     if (!hit) return;
     const Vertex vertex = make_vertex(world, *hit, -ray.direction);  // wo: towards where the power came from
     if (is_black_back(vertex)) return;
@@ -123,6 +124,14 @@ void make_walk(const World& world, bool direct, Rng rng, Block& block) {
   }
 }
 
+std::optional<SurfacePoint> next_scattering(const World& world, Ray ray, std::uint64_t& rays) {
+  for (;; ++rays) {
+    auto hit = world.tracer.closest(ray);
+    if (!hit || !is_null(world, *hit)) return ++rays, hit;
+    ray = ray_behind(*hit, ray);
+  }
+}
+
 void add_light(VirtualLights& lights, LightKind kind, Vec3 p, Vec3 n, Vec3 ng, float offset, Rgb light, int bounce,
                std::uint32_t extra) {
   lights.p.push_back(p), lights.n.push_back(n), lights.ng.push_back(ng), lights.offset.push_back(offset);
@@ -142,6 +151,9 @@ void add_emission(const Scene& scene, const EmissionSample& e, VirtualLights& li
       Vec3 axis = e.ray.direction;
       std::uint32_t extra = kNoExtra;
       if (const auto* spot = std::get_if<SpotEmitter>(&scene.emitters[index(e.emitter)].kind)) {
+        if (spot->texture != kNone<TextureId>)
+          throw Error(ErrorKind::input, to_string(scene.emitters[index(e.emitter)].at) +
+                                            ": a spot with a texture cannot be a virtual light; use --direct sampled");
         axis = normalize(spot->to_world.vector({0, 0, 1}));
         extra = static_cast<std::uint32_t>(lights.spots.size());
         lights.spots.push_back({std::cos(spot->cutoff_deg * (kPi / 180)),

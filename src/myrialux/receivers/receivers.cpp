@@ -90,8 +90,9 @@ std::optional<Reached> follow_sharp(const World& world, Ray ray, Rng& rng, std::
                                     RowOfSamples& row) {
   CameraWalk walk;
   while (within_depth(world, walk.depth + 1)) {
-    const auto hit = next_surface(world, ray, walk.depth, row.rays);
-    samples.emission[sample] += walk.beta * met_emission(world, walk, hit ? &*hit : nullptr, ray);
+    const auto hit = next_surface(world, ray, walk.depth, row.rays, [&](const SurfacePoint* met) {
+      samples.emission[sample] += walk.beta * met_emission(world, walk, met, ray);
+    });
     if (!hit) break;
     const Vertex vertex = make_vertex(world, *hit, -ray.direction);
     const bool black_back = is_black_back(vertex);

@@ -29,15 +29,18 @@ Rgb residual_radiance(const World& world, const Vertex& vertex, const ResidualPa
   walk.depth = params.depth;
   Ray ray;
   if (!scatter(world, vertex, Lobes::wide, walk, ray, rng)) return sum;
-  const auto hit = next_surface(world, ray, walk.depth, counters);
-  const float lost = lost_part(vertex.surface, ray.direction, hit ? length(hit->p - vertex.surface.p) : kInfinity, c);
-  const float emission_part = params.direct_by_sampling ? 1 : lost;
-  if (emission_part > 0) sum += walk.beta * met_emission(world, walk, hit ? &*hit : nullptr, ray) * emission_part;
+  const auto lost = [&](const SurfacePoint* at) {
+    return lost_part(vertex.surface, ray.direction, at ? length(at->p - vertex.surface.p) : kInfinity, c);
+  };
+  const auto hit = next_surface(world, ray, walk.depth, counters, [&](const SurfacePoint* met) {
+    const float part = params.direct_by_sampling ? 1 : lost(met);
+    if (part > 0) sum += walk.beta * met_emission(world, walk, met, ray) * part;
+  });
   ++walk.depth;
   if (!hit || !within_depth(world, walk.depth + 1)) return sum;
 
   // What the surface met sends on: sharp lobes fully, wide ones as far as they were lost. One of them is followed.
-  const float missing = sides_disagree(*hit, ray.direction) ? 1 : lost;
+  const float missing = sides_disagree(*hit, ray.direction) ? 1 : lost(&*hit);
   const Vertex y = make_vertex(world, *hit, -ray.direction);
   const float sharp = sharp_probability(y.bsdf, y.to_local(y.wo));
   const bool follow_sharp = rng.next() < sharp;

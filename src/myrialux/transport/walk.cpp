@@ -22,21 +22,6 @@ Rgb met_emission(const World& world, const CameraWalk& walk, const SurfacePoint*
   return Le * emission_weight(world, walk, hit, ray.direction);
 }
 
-std::optional<SurfacePoint> next_surface(const World& world, const Ray& ray, int depth, PathCounters& counters) {
-  ++counters.closest;
-  std::optional<SurfacePoint> hit = world.tracer.closest(ray);
-  if (depth > 0 || !world.scene.hide_emitters) return hit;
-  Ray rest = ray;
-  while (hit && hit->emitter != kNone<EmitterId>) {
-    rest.origin = offset_origin(hit->p, hit->ng, hit->offset, ray.direction);
-    rest.t_max -= hit->t;
-    if (!(rest.t_max > 0)) return std::nullopt;
-    ++counters.closest;
-    hit = world.tracer.closest(rest);
-  }
-  return hit;
-}
-
 bool scatter(const World& world, const Vertex& vertex, Lobes lobes, CameraWalk& walk, Ray& ray, Rng& rng) {
   const float u_lobe = rng.next();
   const Vec2 u{rng.next(), rng.next()};
@@ -58,8 +43,9 @@ bool scatter(const World& world, const Vertex& vertex, Lobes lobes, CameraWalk& 
 Rgb follow_path(const World& world, Ray ray, CameraWalk walk, Rng& rng, PathCounters& counters, FirstHit* first) {
   Rgb sum;
   while (within_depth(world, walk.depth + 1)) {
-    const auto hit = next_surface(world, ray, walk.depth, counters);
-    sum += walk.beta * met_emission(world, walk, hit ? &*hit : nullptr, ray);
+    const auto hit = next_surface(world, ray, walk.depth, counters, [&](const SurfacePoint* met) {
+      sum += walk.beta * met_emission(world, walk, met, ray);
+    });
     if (!hit) break;
     const Vertex vertex = make_vertex(world, *hit, -ray.direction);
     if (first) *std::exchange(first, nullptr) = {true, hit->p, vertex.n, albedo(vertex.bsdf)};

@@ -56,9 +56,33 @@ Rgb met_emission(const World& world, const CameraWalk& walk, const SurfacePoint*
 /// An opaque one-sided surface met from behind: it neither reflects nor passes light on.
 bool is_black_back(const Vertex& vertex);
 
-/// First surface along a ray that leaves the camera or a bounce. Camera rays pass through emitters' shapes when the
-/// scene hides emitters, as Mitsuba's do.
-std::optional<SurfacePoint> next_surface(const World& world, const Ray& ray, int depth, PathCounters& counters);
+/// Goes on to what lies behind a surface, along the same direction.
+inline Ray ray_behind(const SurfacePoint& hit, const Ray& ray) {
+  return {offset_origin(hit.p, hit.ng, hit.offset, ray.direction), ray.direction, ray.t_max - hit.t};
+}
+/// Surfaces of BSDF `null` scatter nothing: paths and shadow rays pass, and no edge is counted.
+inline bool is_null(const World& world, const SurfacePoint& hit) {
+  return world.scene.materials[index(hit.material)].kind == BsdfKind::null;
+}
+
+/// First surface that scatters along a ray that leaves the camera or a bounce. Camera rays (depth 0) pass through
+/// emitters' shapes when the scene hides emitters, as Mitsuba's do.
+/// @param met called as met(const SurfacePoint*) for every emitter on the way and at the end, with null at infinity
+template <class Met>
+std::optional<SurfacePoint> next_surface(const World& world, Ray ray, int depth, PathCounters& counters,
+                                         const Met& met) {
+  while (ray.t_max > 0) {
+    ++counters.closest;
+    std::optional<SurfacePoint> hit = world.tracer.closest(ray);
+    if (!hit) break;
+    const bool emits = hit->emitter != kNone<EmitterId>, hidden = emits && depth == 0 && world.scene.hide_emitters;
+    if (emits && !hidden) met(&*hit);
+    if (!hidden && !is_null(world, *hit)) return hit;
+    ray = ray_behind(*hit, ray);
+  }
+  met(nullptr);
+  return std::nullopt;
+}
 
 /// Samples the next direction through `lobes` and plays Russian roulette (from walk.depth >= rr_depth on: survives with
 /// the largest component of beta * eta^2, at most 0.95). `walk.depth` counts the edges up to `vertex`.
