@@ -1,8 +1,7 @@
-// Runs of equal bits become weights; rows are drawn without replacement by inversion and rejection. [wang20, 4.5.2]
+// Runs of equal bits become weights; rows are drawn without replacement by rejection. [wang20, 4.5.2]
 #include "myrialux/completion/row_distribution.h"
 
 #include <algorithm>
-#include <span>
 
 namespace myrialux {
 namespace {
@@ -20,23 +19,6 @@ std::uint64_t fill_inactive(std::uint64_t active, std::uint64_t visible, std::ui
   return ones;
 }
 
-/// Uniform in {0, ..., n - 1}, n > 0.
-std::uint64_t below(Rng& rng, std::uint64_t n) {
-  const std::uint64_t r = rng.next_uint();
-  return r * (n >> 32) + (r * (n & 0xffffffffu) >> 32);
-}
-
-/// Index of the first sum above u; the sums ascend and the last one is above u. No branch depends on u.
-std::size_t first_above(std::span<const std::uint64_t> sums, std::uint64_t u) {
-  const std::uint64_t* at = sums.data();
-  for (std::size_t n = sums.size(); n > 1;) {
-    const std::size_t half = n / 2;
-    at += at[half - 1] <= u ? half : 0;
-    n -= half;
-  }
-  return static_cast<std::size_t>(at - sums.data());
-}
-
 /// All of `eligible` is to be drawn: nothing to choose.
 bool drew_all(std::size_t count, std::size_t n_eligible, Words eligible, MutableWords drawn) {
   if (count < n_eligible) return false;
@@ -51,9 +33,7 @@ bool list_pays(std::size_t n_missed, std::size_t n_eligible) { return 8 * n_miss
 
 void RowDistribution::reset(std::size_t n_rows) {
   weights_.assign(n_rows, n_rows > 0 ? kOne / n_rows : 0);
-  sums_.resize(n_rows);
   rows_.resize(n_rows);
-  listed_sums_.resize(n_rows);
   filled_.resize(words_for(n_rows));
   clean_ = false;
 }
@@ -111,27 +91,20 @@ void RowDistribution::add_to_rows(std::size_t begin, std::size_t end, Words acti
 void RowDistribution::draw(std::size_t count, Words eligible, Rng& rng, MutableWords drawn) {
   const std::size_t n_eligible = count_bits(eligible);
   if (drew_all(count, n_eligible, eligible, drawn)) return;
-  if (!clean_) {
-    std::uint64_t sum = 0;
-    for (std::size_t i = 0; i < weights_.size(); ++i) sums_[i] = sum += weights_[i];
-    clean_ = true;
-  }
+  if (!clean_) sums_.build(weights_.size(), [&](std::size_t i) { return weights_[i]; });
+  clean_ = true;
 
   // A row that may not be taken is rejected: what is left then follows d among the rows left. Whether rows were
   // listed anew does not depend on the draw to come, so it changes nothing in their probabilities.
   bool listed = false;
-  std::span<const std::uint64_t> sums = sums_;
   for (std::size_t n_drawn = 0, n_missed = 0; n_drawn < count;) {
-    const std::size_t k = first_above(sums, below(rng, sums.back()));
-    const std::size_t i = listed ? rows_[k] : k;
+    const std::size_t i = listed ? rows_[listed_sums_.draw(rng)] : sums_.draw(rng);
     if (test_bit(eligible, i) && !test_bit(drawn, i)) {
       set_bit(drawn, i);
       ++n_drawn;
     } else if (list_pays(++n_missed, n_eligible)) {
       list_rows(eligible, drawn);
-      std::uint64_t sum = 0;
-      for (std::size_t r = 0; r < rows_.size(); ++r) listed_sums_[r] = sum += weights_[rows_[r]];
-      sums = std::span(listed_sums_).first(rows_.size());
+      listed_sums_.build(rows_.size(), [&](std::size_t k) { return weights_[rows_[k]]; });
       listed = true;
       n_missed = 0;
     }

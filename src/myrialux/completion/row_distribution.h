@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "myrialux/base/rng.h"
+#include "myrialux/completion/indexed_sums.h"
 #include "myrialux/matrix/bit_ops.h"
 
 namespace myrialux {
@@ -35,11 +36,11 @@ class RowDistribution {
   void list_rows(Words eligible, Words drawn);
 
   std::vector<std::uint64_t> weights_;  ///< [n_rows]
-  std::vector<std::uint64_t> sums_;     ///< [n_rows] inclusive prefix sums of weights_, when clean_
+  IndexedSums sums_;                    ///< of weights_, when clean_
   bool clean_ = false;
-  std::vector<std::uint32_t> rows_;         ///< rows still to choose from, listed once rejection gets slow
-  std::vector<std::uint64_t> listed_sums_;  ///< inclusive prefix sums of their weights
-  std::vector<std::uint64_t> filled_;       ///< a column with each inactive bit equal to the active one before it
+  std::vector<std::uint32_t> rows_;    ///< rows still to choose from, listed once rejection gets slow
+  IndexedSums listed_sums_;            ///< of their weights
+  std::vector<std::uint64_t> filled_;  ///< a column with each inactive bit equal to the active one before it
 };
 
 }  // namespace myrialux
