@@ -53,10 +53,10 @@ HWY_INLINE V spot_falloff(D d, const SpotCone& spot, V cos_axis) {
                         hn::IfThenZeroElse(hn::Le(cos_axis, hn::Set(d, spot.cos_cutoff)), held));
 }
 
-/// Intensity towards each row as a factor of the light's colour. @param w towards the light
-/// @param side of its sign: -d . ng of the light, exact
+/// Intensity towards each row as a factor of the light's colour. @param w towards the light, d / |d|
+/// @param side -d . ng of the light, exact in its sign; @param inverse_distance 1 / |d|
 template <LightShape kShape, LobeKind kKind, bool kGgx>
-HWY_INLINE V3 intensity(D d, const GeneralRun& run, const GeneralLight& light, V3 w, V side) {
+HWY_INLINE V3 intensity(D d, const GeneralRun& run, const GeneralLight& light, V3 w, V side, V inverse_distance) {
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
   Mask live = hn::Gt(side, zero);
   if constexpr (kShape == LightShape::oriented) {
@@ -69,7 +69,10 @@ HWY_INLINE V3 intensity(D d, const GeneralRun& run, const GeneralLight& light, V
     const SameFields fields{run.lobes[light.extra].field.data(), run.tables.data()};
     live = hn::Eq(zero, zero);
     const V3 away = {hn::Neg(w.x), hn::Neg(w.y), hn::Neg(w.z)};
-    const V3 value = evaluate_lobes<kKind, kGgx>(d, fields, away, side, live);
+    // evaluate_lobes() has the cosine to the shading normal; an intensity has the one to the geometric normal.
+    const V cos_n = hn::Max(hn::Abs(dot(away, field3(d, fields, kFieldN))), hn::Set(d, 1e-12f));
+    const V cos_ng = hn::Mul(hn::Abs(side), inverse_distance);
+    const V3 value = evaluate_lobes<kKind, kGgx>(d, fields, away, side, live) * hn::Div(cos_ng, cos_n);
     return {hn::IfThenElseZero(live, value.x), hn::IfThenElseZero(live, value.y), hn::IfThenElseZero(live, value.z)};
   } else {
     return {one, one, one};
@@ -95,9 +98,10 @@ void light_rows(const RowBlock& rows, const GeneralRun& run, const GeneralLight&
     } else {
       const V3 to_light = spread(d, light.at.p) - load(d, rows.p, row);
       const V inverse = hn::Div(one, hn::Max(dot(to_light, to_light), least)), clamped = hn::Min(inverse, bound);
-      w = to_light * hn::Sqrt(inverse);
+      const V inverse_distance = hn::Sqrt(inverse);
+      w = to_light * inverse_distance;
       const V light_side = hn::Neg(dot_unfused(to_light, spread(d, light.at.ng)));
-      rgb = rgb * intensity<kShape, kKind, kGgx>(d, run, light, w, light_side) * clamped;
+      rgb = rgb * intensity<kShape, kKind, kGgx>(d, run, light, w, light_side, inverse_distance) * clamped;
       hn::Store(dot_unfused(to_light, ng), d, out.side + row);
       if (run.clamp_distance > 0) hn::Store(hn::Sub(hn::Div(inverse, clamped), one), d, out.excess + row);
     }

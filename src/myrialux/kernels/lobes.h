@@ -57,8 +57,8 @@ struct LightLobes {
 
 /// Lobes of the rows of a block.
 struct alignas(64) RowLobes {
+  BlockFloats field[kLobeFields];                  ///< first, so that all are aligned
   std::array<std::uint64_t, kLobeClasses> rows{};  ///< bits, by lobe_class_index()
-  BlockFloats field[kLobeFields];
 };
 
 }  // namespace myrialux
