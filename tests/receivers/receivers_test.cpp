@@ -113,8 +113,8 @@ TEST(Receivers, FollowMirrorsToTheFirstWideSurface) {
   mirror.specular = {gray(0.8f)};
   const MaterialId m = b.add(mirror);
   b.mesh({{-1, -1, -1}, {1, -1, -1}, {1, 1, 1}, {-1, 1, 1}}, {0, 1, 2, 0, 2, 3}, m);  // faces the camera, tilted down
-  b.rectangle({-1, -5, -2}, {2, 0, 0}, {0, 0, 4}, b.diffuse(gray(0.5f), true));  // below
-  b.emitter({.name = "sky", .at = {}, .kind = ConstantEmitter{gray(2)}});
+  b.rectangle({-1, -5, -2}, {2, 0, 0}, {0, 0, 4}, b.diffuse(gray(0.5f), true));       // below
+  b.emitter("sky", ConstantEmitter{gray(2)});
   b.scene.materials[index(m)].two_sided = true;
   b.camera({0, 0, 4}, {0, 0, 0}, 5, 4, 4);
   TestWorld t(b.scene);
@@ -135,7 +135,7 @@ TEST(Receivers, FollowMirrorsToTheFirstWideSurface) {
 TEST(Receivers, EnvironmentIsSeenDirectlyAndNothingElse) {
   test::SceneBuilder b;
   b.rectangle({-1, -1, 5}, {2, 0, 0}, {0, 2, 0}, b.diffuse(gray(0.5f)));  // behind the camera
-  b.emitter({.name = "sky", .at = {}, .kind = ConstantEmitter{{1, 2, 3}}});
+  b.emitter("sky", ConstantEmitter{{1, 2, 3}});
   b.camera({0, 0, 4}, {0, 0, 0}, 30, 8, 8);
   for (const bool hide : {false, true}) {
     b.scene.hide_emitters = hide;
@@ -154,7 +154,7 @@ TEST(Receivers, WeightsOfAVarnishedFloorAddUpToOne) {
   varnish.kind = BsdfKind::plastic;
   varnish.eta = 1.5f;
   b.rectangle({-9, -1, 9}, {18, 0, 0}, {0, 0, -18}, b.add(varnish));
-  b.emitter({.name = "sky", .at = {}, .kind = ConstantEmitter{gray(1)}});
+  b.emitter("sky", ConstantEmitter{gray(1)});
   b.camera({0, 1, 3}, {0, -1, 0}, 5, 8, 8);
   TestWorld t(b.scene);
   Progress quiet;

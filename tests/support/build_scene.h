@@ -72,6 +72,12 @@ struct SceneBuilder {
     scene.emitters.push_back(e);
     return static_cast<EmitterId>(scene.emitters.size() - 1);
   }
+  EmitterId emitter(const std::string& name, const decltype(Emitter::kind)& kind) {
+    Emitter e;
+    e.name = name;
+    e.kind = kind;
+    return emitter(e);
+  }
   void camera(Vec3 origin, Vec3 target, float fov_x_deg, int width, int height) {
     scene.camera.to_world = Transform::look_at(origin, target, {0, 1, 0});
     scene.camera.fov_x_deg = fov_x_deg;

@@ -66,6 +66,9 @@ struct LightResult {
 /// paths longer than max_depth by their depth - 1.
 LightResult trace_lights(const World& world, const LightParams& params, Progress& progress);
 
+/// Drops the lights of bounce 0, which stand for direct light. The others keep their order.
+void remove_direct(VirtualLights& lights);
+
 /// PLY point cloud; layout in docs/formats.md. Binary little endian when `binary`.
 void write_lights(const VirtualLights& lights, const Scene& scene, const std::string& path, bool binary);
 /// Reads what write_lights wrote, or any PLY with x y z nx ny nz r g b. @throws Error (input) with file:line or byte.
