@@ -1,6 +1,7 @@
 // Builds the acceleration structure: meshes as triangles, quadrics as user geometry, groups as instanced scenes.
 #include "myrialux/trace/acceleration.h"
 
+#include <algorithm>
 #include <string>
 
 #include "myrialux/base/assert.h"
@@ -45,6 +46,10 @@ Acceleration::Acceleration(const Scene& s) : scene(s) {
   root = rtcNewScene(device);
   for (std::size_t k = 0; k < placed.size(); ++k)
     attach(device, root, static_cast<unsigned>(k), scene, scene.placed[k], placed[k]);
+  const bool has_quadric = std::any_of(scene.placed.begin(), scene.placed.end(), [&](ShapeId id) {
+    return std::holds_alternative<Quadric>(scene.shapes[index(id)].geometry);
+  });
+  may_trace_coherent = !(has_quadric && !scene.instances.empty());
   for (const Instance& instance : scene.instances) {
     placements.emplace_back(instance.to_world);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);

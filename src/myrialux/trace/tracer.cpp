@@ -100,6 +100,7 @@ template <int N>
 std::uint32_t trace_packet(const Acceleration& a, const Segments<N>& s, std::uint32_t valid, bool coherent,
                            bool to_is_direction) {
   if (valid == 0) return 0;
+  coherent = coherent && a.may_trace_coherent;
   if constexpr (N == 16) {
     if (!a.has_native_16)
       return trace_lanes<8>(a, s, 0, valid & 0xff, coherent, to_is_direction) |
