@@ -96,7 +96,8 @@ class Room {
     BsdfParams params;
     const std::uint32_t n = options_.glass ? 7 : 6;
     params.material = static_cast<MaterialId>(glossy ? 1 + rng_.below(n - 1) : 0);
-    params.alpha = 0.11f + 0.9f * rng_.next() * rng_.next();
+    constexpr float kAlphas[] = {0.11f, 0.15f, 0.2f, 0.3f, 0.5f, 0.8f};  // tables of rough plastic are made for each
+    params.alpha = kAlphas[rng_.below(6)];
     params.reflectance = {rng_.next(), rng_.next(), rng_.next()};
     params.specular = {rng_.next(), rng_.next(), rng_.next()};
     return params;

@@ -1,9 +1,11 @@
 // Upper bounds of wide lobes for one fixed direction. Microfacet lobes: D of the smallest possible half-vector angle,
-// G1 of the fixed direction, everything else 1. Distributions and shadowing after [walter07].
+// G1 of the fixed direction, the largest Fresnel reflectance; everything else 1. Distributions and shadowing after
+// [walter07].
 #include "myrialux/clusters/lobe_bounds.h"
 
 #include "myrialux/scattering/fresnel.h"
 #include "myrialux/scattering/microfacet.h"
+#include "myrialux/scattering/rough_transmittance.h"
 
 namespace myrialux {
 namespace {
@@ -23,9 +25,19 @@ void set_shape(const Bsdf& bsdf, LobeBounds& bounds) {
 
 /// Diffuse base of plastic: transmission of the fixed side, internal scattering; transmission of the other side is 1.
 Rgb plastic_base(const Bsdf& bsdf, float cos_v) {
-  const float through = bsdf.kind == BsdfKind::plastic ? 1 - fresnel_dielectric(cos_v, bsdf.eta).reflectance : 1.0f;
+  const float through = bsdf.kind == BsdfKind::plastic
+                            ? 1 - fresnel_dielectric(cos_v, bsdf.eta).reflectance
+                            : external_transmittance(bsdf.transmittance_row, bsdf.transmittance_mix, cos_v);
   const Rgb back = bsdf.nonlinear ? bsdf.reflectance * bsdf.fdr_internal : gray(bsdf.fdr_internal);
   return bsdf.reflectance / (gray(1) - back) * (bsdf.inverse_eta_squared * through * kInvPi);
+}
+
+/// Largest reflectance of a facet that turns v into any direction w above the surface: the angle between them is twice
+/// that of incidence and at most a right angle plus v's, so cos^2 of incidence is at least (1 - sin v) / 2.
+float largest_fresnel(const Bsdf& bsdf, float cos_v) {
+  if (bsdf.kind != BsdfKind::rough_plastic) return 1;
+  const float sin_v = std::sqrt(std::max(0.0f, 1 - cos_v * cos_v));
+  return fresnel_dielectric(std::sqrt((1 - sin_v) / 2), bsdf.eta).reflectance;
 }
 
 }  // namespace
@@ -41,10 +53,10 @@ LobeBounds lobe_bounds(const Bsdf& bsdf, Vec3 fixed) {
   const bool gloss = bsdf.kind == BsdfKind::rough_conductor || bsdf.kind == BsdfKind::rough_plastic || rough_glass;
   if (!gloss || bsdf.sharp_gloss) return bounds;
   set_shape(bsdf, bounds);
-  const float shadowing = smith_g1(bsdf.distribution, bsdf.alpha, fixed, {0, 0, std::copysign(1.0f, fixed.z)});
+  const float shadowing = smith_g1(bsdf.distribution, bsdf.alpha, fixed, {0, 0, 1});
   constexpr float kFit = 1.0001f;  // Beckmann's fit of G1 passes 1 by this
   const float lobe = kFit * kInvPi / (bsdf.alpha * bsdf.alpha) * shadowing / std::fabs(fixed.z);
-  bounds.gloss = bsdf.specular * (lobe / 4);
+  bounds.gloss = bsdf.specular * (largest_fresnel(bsdf, fixed.z) * lobe / 4);
   if (!rough_glass) return bounds;
 
   // Refraction spreads into directions that the mirror says nothing about: its peak counts for all of them. With the

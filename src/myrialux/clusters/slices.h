@@ -25,8 +25,8 @@ struct Slices {
   }
 };
 
-/// 6-D kd-tree over (position, normal * weight), split in the widest dimension; split points are rounded to whole
-/// slices so that all but one slice are full. Ties broken by index: same result for any number of threads.
+/// 6-D kd-tree over (position, normal * weight), split in the dimension of largest variance; split points are rounded
+/// to whole slices so that all but one slice are full. Ties broken by index: same result for any number of threads.
 Slices make_slices(const Receivers& receivers, float scene_radius, const SliceParams& params);
 
 }  // namespace myrialux
