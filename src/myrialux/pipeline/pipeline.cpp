@@ -203,9 +203,25 @@ void render_pass(const World& world, const Settings& settings, int pass, FrameSt
 
 void render_path(const World& world, const Settings& settings, FrameState& frame, Progress& progress,
                  RenderStats& stats) {
+  // A pass holds few samples a pixel, so that memory does not grow with --spp.
+  constexpr int kSamplesAtOnce = 16;
+  const RenderParams& params = settings.render;
   Stopwatch wall;
-  render_path_passes(world, settings, frame, progress, stats);
-  stats.time_s["shade"] += wall.lap();
+  std::uint32_t pass = 0;
+  for (int left = params.passes * params.spp; left > 0; left -= kSamplesAtOnce, ++pass) {
+    const PathSamples paths = trace_paths(world,
+                                          {.width = params.width,
+                                           .height = params.height,
+                                           .spp = std::min(left, kSamplesAtOnce),
+                                           .key = {params.seed, pass}},
+                                          progress);
+    stats.rays.camera += paths.rays.closest;
+    stats.rays.shadow += paths.rays.occlusion;
+    stats.time_s["shade"] += wall.lap();
+    frame.add_pass(paths.samples, {}, paths.radiance, {});
+    stats.time_s["film"] += wall.lap();
+    ++stats.passes;
+  }
 }
 
 /// Sums over passes that stand for a mean.
