@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct BsdfCase {
   BsdfParams params;
   Bsdf bsdf(float sharp_alpha = kDefaultSharpAlpha) const { return make_bsdf(material, params, sharp_alpha); }
 };
+
+inline void PrintTo(const BsdfCase& c, std::ostream* out) { *out << c.name; }
 
 inline std::string name_of(BsdfKind kind) {
   switch (kind) {

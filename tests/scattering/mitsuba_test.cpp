@@ -79,12 +79,19 @@ TEST(Mitsuba, ValuesAgreeToAThousandth) {
   for (const auto& [kind, e] : largest) RecordProperty(kind, std::to_string(e));
 }
 
-TEST(Mitsuba, DensitiesAgreeToAThousandth) {
+/// Beckmann: Mitsuba normalises visible normals by a fit of G1 that is off by up to 0.35 %; here G1 is exact.
+/// Rough plastic: the lobe is chosen by 1 - T, of which Mitsuba's table has 0.5 % less for narrow GGX (0.0400 at normal
+/// incidence, alpha = 0.048, where quadratures of 24, 40 and 100 steps agree on 0.0402). Both touch sampling only.
+float density_tolerance(const Row& row) {
+  const float by_fit = row.kind.starts_with("rough") && row.distribution == Microfacets::beckmann ? 3.5e-3f : 0;
+  const float by_table = row.kind == "roughplastic" && row.distribution == Microfacets::ggx ? 5e-3f : 0;
+  return 1e-3f + by_fit + by_table;
+}
+
+TEST(Mitsuba, DensitiesAgreeToAThousandthWhereBothAreExact) {
   for (const Row& row : read_rows("eval")) {
-    // Mitsuba normalises Beckmann's visible normals by a fit of G1 that is off by up to 0.35 %; here G1 is exact.
-    const bool by_fit = row.kind.starts_with("rough") && row.distribution == Microfacets::beckmann;
     const float p = pdf_omega(bsdf_of(row), row.wi, row.wo, Lobes::all);
-    EXPECT_LE(excess(p, row.pdf_omega, by_fit ? 4.5e-3f : 1e-3f), 1)
+    EXPECT_LE(excess(p, row.pdf_omega, density_tolerance(row)), 1)
         << row.kind << " ggx " << (row.distribution == Microfacets::ggx) << " alpha " << row.alpha << " wo.z "
         << row.wo.z << " wi.z " << row.wi.z << ": " << p << " against " << row.pdf_omega;
   }

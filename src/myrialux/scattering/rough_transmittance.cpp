@@ -14,9 +14,9 @@
 namespace myrialux {
 namespace {
 
-constexpr std::size_t kAlphaNodes = 46;  // alpha = (k / 32)^2, k = 0 ... 45: finer where alpha is small
-constexpr float kAlphaNodesPerRoot = 32;
-constexpr int kExternalSteps = 24, kInternalSteps = 40;  // of the quadrature, along each side of the unit square
+constexpr std::size_t kAlphaNodes = 91;  // alpha = (k / 64)^2, k = 0 ... 90: finer where alpha is small
+constexpr float kAlphaNodesPerRoot = 64;
+constexpr int kExternalSteps = 16, kInternalSteps = 64;  // of the quadrature, along each side of the unit square
 
 struct Table {
   Microfacets distribution;
@@ -37,8 +37,20 @@ struct Registry {
 Registry& registry();
 Table& find_table(Microfacets distribution, float eta);
 void fill_row(Table& table, std::size_t k);
+
+struct QuadratureNode {
+  double x, share;
+};
+struct SquareNode {
+  Vec2 u;
+  double weight_uv;  ///< area of the unit square that the node stands for
+};
+using Quadrature = std::vector<SquareNode>;
+Quadrature make_quadrature(Microfacets distribution, int steps);
+std::vector<QuadratureNode> gauss_legendre(int n);
 template <class Share>
-double mean_over_normals(Microfacets distribution, float alpha, Vec3 w, int steps, const Share& share);
+double mean_over_normals(const Quadrature& quadrature, Microfacets distribution, float alpha, Vec3 w,
+                         const Share& share);
 
 }  // namespace
 
@@ -48,12 +60,7 @@ RoughTransmittance rough_transmittance(Microfacets distribution, float alpha, fl
   const std::size_t k = std::min(static_cast<std::size_t>(x), kAlphaNodes - 2);
   for (const std::size_t row : {k, k + 1})
     if (!table.ready[row].load(std::memory_order_acquire)) fill_row(table, row);
-  // Linear in alpha, not in its root
-  const auto node = [](std::size_t i) {
-    const float root = static_cast<float>(i) / kAlphaNodesPerRoot;
-    return root * root;
-  };
-  const float mix = std::clamp((alpha - node(k)) / (node(k + 1) - node(k)), 0.0f, 1.0f);
+  const float mix = x - static_cast<float>(k);  // linear in the root of alpha
   return {table.transmittance.data() + k * kTransmittanceNodes, mix,
           (1 - mix) * table.internal[k] + mix * table.internal[k + 1]};
 }
@@ -86,17 +93,19 @@ Table& find_table(Microfacets distribution, float eta) {
 void fill_row(Table& table, std::size_t k) {
   const float root = static_cast<float>(k) / kAlphaNodesPerRoot, alpha = std::max(kMinAlpha, root * root);
   const Microfacets kind = table.distribution;
+  const Quadrature external = make_quadrature(kind, kExternalSteps),
+                   internal_nodes = make_quadrature(kind, kInternalSteps);
   std::array<float, kTransmittanceNodes> transmittance;
   double internal = 0;
   for (std::size_t i = 0; i < kTransmittanceNodes; ++i) {
     const float cos_theta = std::max(1e-6f, static_cast<float>(i) / static_cast<float>(kTransmittanceNodes - 1));
     const Vec3 w{std::sqrt(std::max(0.0f, 1 - cos_theta * cos_theta)), 0, cos_theta};
-    transmittance[i] = static_cast<float>(mean_over_normals(kind, alpha, w, kExternalSteps, [&](Vec3 m) {
+    transmittance[i] = static_cast<float>(mean_over_normals(external, kind, alpha, w, [&](Vec3 m) {
       const DielectricFresnel f = fresnel_dielectric(dot(w, m), table.eta);
       const Vec3 refracted = m * (dot(w, m) / f.eta_it + f.cos_transmitted) - w / f.eta_it;
       return refracted.z < 0 ? smith_g1(kind, alpha, refracted, m) * (1 - f.reflectance) : 0.0f;
     }));
-    internal += cos_theta * mean_over_normals(kind, alpha, w, kInternalSteps, [&](Vec3 m) {
+    internal += cos_theta * mean_over_normals(internal_nodes, kind, alpha, w, [&](Vec3 m) {
                   const Vec3 reflected = 2 * dot(w, m) * m - w;
                   const float f = fresnel_dielectric(dot(w, m), 1 / table.eta).reflectance;
                   return reflected.z > 0 ? smith_g1(kind, alpha, reflected, m) * f : 0.0f;
@@ -109,17 +118,52 @@ void fill_row(Table& table, std::size_t k) {
   table.ready[k].store(true, std::memory_order_release);
 }
 
-/// Midpoint rule over the square that visible normals are drawn from.
-template <class Share>
-double mean_over_normals(Microfacets distribution, float alpha, Vec3 w, int steps, const Share& share) {
-  double sum = 0;
-  for (int a = 0; a < steps; ++a)
-    for (int b = 0; b < steps; ++b) {
-      const float n = static_cast<float>(steps);
-      const Vec2 u{(static_cast<float>(a) + 0.5f) / n, (static_cast<float>(b) + 0.5f) / n};
-      sum += share(sample_visible_normal(distribution, alpha, w, u));
+/// Half of the square is enough: facets left and right of the plane of incidence (w.y = 0) pass the same light.
+/// Nodes gather towards the facets that stand upright, where the square's map bends.
+Quadrature make_quadrature(Microfacets distribution, int steps) {
+  const std::vector<QuadratureNode> gauss = gauss_legendre(steps);
+  Quadrature q;
+  for (const QuadratureNode& a : gauss)
+    for (std::size_t b = 0; b < gauss.size(); ++b) {
+      if (distribution == Microfacets::ggx) {  // u.x: squared radius on the disc; u.y: angle, a half turn is smooth
+        const double rest = 1 - a.x, angle = 0.25 + 0.5 * (static_cast<double>(b) + 0.5) / steps;
+        q.push_back({{static_cast<float>(1 - rest * rest), static_cast<float>(angle)}, a.share * 2 * rest / steps});
+      } else {  // both are cumulative probabilities of a slope
+        const double rest = 1 - gauss[b].x;
+        q.push_back({{static_cast<float>(a.x * a.x * (3 - 2 * a.x)), static_cast<float>(1 - 0.5 * rest * rest)},
+                     a.share * 6 * a.x * (1 - a.x) * gauss[b].share * 2 * rest});
+      }
     }
-  return sum / (steps * steps);
+  return q;
+}
+
+/// Nodes and weights on [0, 1]; the weights add up to 1. Newton's method on the Legendre polynomial. [press07, 4.6]
+std::vector<QuadratureNode> gauss_legendre(int n) {
+  std::vector<QuadratureNode> nodes;
+  for (int i = 0; i < n; ++i) {
+    double x = std::cos(3.14159265358979323846 * (i + 0.75) / (n + 0.5)), slope = 0;
+    for (int iteration = 0; iteration < 20; ++iteration) {
+      double p = 1, previous = 0;
+      for (int k = 0; k < n; ++k) {
+        const double next = ((2 * k + 1) * x * p - k * previous) / (k + 1);
+        previous = p;
+        p = next;
+      }
+      slope = n * (x * p - previous) / (x * x - 1);
+      x -= p / slope;
+    }
+    nodes.push_back({0.5 * (1 - x), 1 / ((1 - x * x) * slope * slope)});
+  }
+  return nodes;
+}
+
+template <class Share>
+double mean_over_normals(const Quadrature& quadrature, Microfacets distribution, float alpha, Vec3 w,
+                         const Share& share) {
+  double sum = 0;
+  for (const auto& [u, weight_uv] : quadrature)
+    sum += weight_uv * share(sample_visible_normal(distribution, alpha, w, u));
+  return sum;
 }
 
 }  // namespace
