@@ -69,9 +69,6 @@ namespace {
 
 void load_mesh(const MeshJob& job, Mesh& mesh, MeshResult& result) {
   std::string name = mesh.name;
-  std::error_code code;
-  if (job.format != MeshJob::Format::ready && !std::filesystem::is_regular_file(job.path, code))
-    return result.found.error(job.at, fmt::format("mesh file {} does not exist", job.path));
   if (job.format == MeshJob::Format::ply) mesh = read_ply(job.path, result.found);
   if (job.format == MeshJob::Format::obj) mesh = read_obj(job.path, result.found);
   if (job.format == MeshJob::Format::serialized) mesh = read_serialized(job.path, job.shape_index, result.found);

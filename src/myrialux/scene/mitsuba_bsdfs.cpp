@@ -63,10 +63,6 @@ namespace {
 
 /// Reads the object into `material`; adapters go on with what they hold. False after a mistake.
 bool fill(Reader& in, const Object& object, Material& material) {
-  if (!in.open_materials.insert(&object).second) {
-    in.found.error(object.at, fmt::format("bsdf \"{}\" holds itself", object.id));
-    return false;
-  }
   Fields fields(object, in.found);
   const std::string& type = object.type;
   bool is_plugin = true;
@@ -101,7 +97,6 @@ bool fill(Reader& in, const Object& object, Material& material) {
     report_type(in, object, kHere, kElsewhere);
     is_plugin = false;
   }
-  in.open_materials.erase(&object);
   return is_plugin;
 }
 

@@ -15,7 +15,7 @@ namespace myrialux::mitsuba {
 struct Range {
   double lower = -1e30, upper = 1e30;
   bool lower_open = false;  ///< lower itself is refused
-  std::string told{};         ///< "greater than 0"; made from the bounds if empty
+  std::string told{};       ///< "greater than 0"; made from the bounds if empty
 };
 
 class Fields {

@@ -20,10 +20,10 @@ struct Reader {
   Scene& scene;
   Diagnostics& found;
   AssetJobs& assets;
-  std::map<const Object*, MaterialId> materials;
-  std::map<const Object*, TextureId> textures;
-  std::map<const Object*, std::uint32_t> groups;
-  std::set<const Object*> reported_media, open_materials;
+  std::map<const Object*, MaterialId> materials{};
+  std::map<const Object*, TextureId> textures{};
+  std::map<const Object*, std::uint32_t> groups{};
+  std::set<const Object*> reported_media{};
   MaterialId default_material = kNone<MaterialId>, black_material = kNone<MaterialId>;
   bool has_unsupported_emitter = false;
 };

@@ -19,8 +19,7 @@ void read_scene(const std::string& path, const LoadOptions& options, Scene& scen
   const Tree tree = read_tree(path, options, found);
   for (const std::string& part : tree.texts) text += part;
   if (tree.texts.empty()) return;  // nothing could be read
-  Reader in{tree, scene, found, assets, {}, {}, {}, {}, {}};
-  const std::size_t n_mistakes = found.all().size();
+  Reader in{tree, scene, found, assets};
   bool has_sensor = false, has_integrator = false;
   // Groups first: instances may come before the group they name.
   for (const bool groups : {true, false})
@@ -30,7 +29,6 @@ void read_scene(const std::string& path, const LoadOptions& options, Scene& scen
   for (const Property& p : tree.scene().properties)
     found.warning(p.at, fmt::format("the scene does not know the parameter \"{}\"", p.spelled));
   // What is missing is told only where the rest could be read: it may sit behind another mistake.
-  if (found.all().size() > n_mistakes && found.has(Severity::error)) return;
   if (found.has(Severity::error)) return;
   if (!has_sensor) found.error(tree.scene().at, "the scene has no sensor; add <sensor type=\"perspective\">");
   if (scene.emitters.empty() && !in.has_unsupported_emitter)
@@ -41,15 +39,16 @@ void report_type(Reader& in, const Object& object, std::vector<std::string> here
                  const std::vector<std::string>& elsewhere) {
   accept_all(object);
   if (object.type.empty()) return;  // told while the tree was read
+  const std::string allowed = here.empty() ? "" : fmt::format("; allowed: {}", fmt::join(here, ", "));
   if (std::find(elsewhere.begin(), elsewhere.end(), object.type) != elsewhere.end()) {
-    in.found.unsupported(object.at, fmt::format("{} \"{}\" cannot be rendered yet; allowed: {}", object.tag,
-                                                object.spelled_type, fmt::join(here, ", ")));
+    in.found.unsupported(object.at,
+                         fmt::format("{} \"{}\" cannot be rendered yet{}", object.tag, object.spelled_type, allowed));
     return;
   }
   std::vector<std::string> all = here;
   all.insert(all.end(), elsewhere.begin(), elsewhere.end());
-  in.found.error(object.at, fmt::format("unknown {} \"{}\"{}; allowed: {}", object.tag, object.spelled_type,
-                                        suggestion(object.type, all), fmt::join(here, ", ")));
+  in.found.error(object.at, fmt::format("unknown {} \"{}\"{}{}", object.tag, object.spelled_type,
+                                        suggestion(object.type, all), allowed));
 }
 
 void read_medium(Reader& in, const Object& object) {

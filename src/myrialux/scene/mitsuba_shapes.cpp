@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "myrialux/scene/mesh.h"
 #include "myrialux/scene/mitsuba_reader.h"
@@ -24,7 +25,8 @@ void read_group(Reader& in, const Object& object);
 void read_instance(Reader& in, const Object& object);
 MeshId add_mesh(Reader& in, Mesh mesh, MeshJob job);
 MeshId read_mesh_file(Reader& in, Fields& fields, const Transform& to_world);
-std::optional<Quadric> read_quadric(Fields& fields, Shape& shape, const Transform& to_world);
+void take_converted_file(MeshJob& job, Diagnostics& found);
+std::optional<Quadric> read_quadric(Fields& fields, const Transform& to_world);
 void read_surroundings(Reader& in, const Object& object, Shape& shape, const Object*& emitter);
 
 }  // namespace
@@ -61,7 +63,7 @@ std::optional<ShapeId> read_geometry(Reader& in, const Object& object, bool in_g
     shape.geometry = add_mesh(in, type == "cube" ? cube_mesh() : rectangle_mesh(), job);
     in.scene.meshes.back().name = shape.name;
   } else if (type == "sphere" || type == "disk" || type == "cylinder") {
-    const std::optional<Quadric> quadric = read_quadric(fields, shape, to_world);
+    const std::optional<Quadric> quadric = read_quadric(fields, to_world);
     if (!quadric) return {};
     shape.geometry = *quadric;
   } else {
@@ -80,13 +82,13 @@ std::optional<ShapeId> read_geometry(Reader& in, const Object& object, bool in_g
 
 /// Material, emitter and media of a shape.
 void read_surroundings(Reader& in, const Object& object, Shape& shape, const Object*& emitter) {
-  bool has_bsdf = false;
+  bool has_bsdf = false, has_medium = false;
   for (const Child& child : object.children) {
     if (!child.object) continue;
     const Object& part = *child.object;
     if (part.tag != "bsdf" && part.tag != "emitter" && part.tag != "medium" && part.tag != "subsurface") continue;
     child.used = true;
-    if (part.tag == "medium") read_medium(in, part);
+    if (part.tag == "medium") has_medium = true, read_medium(in, part);
     if (part.tag == "subsurface") report_type(in, part, {}, {"dipole", "singlescatter", part.type});
     if (part.tag == "bsdf") {
       if (has_bsdf) in.found.error(child.at, "a second bsdf on a shape; allowed: one");
@@ -97,7 +99,14 @@ void read_surroundings(Reader& in, const Object& object, Shape& shape, const Obj
       emitter = &part;
     }
   }
-  if (shape.material == kNone<MaterialId>) shape.material = default_material(in, emitter != nullptr);
+  if (shape.material != kNone<MaterialId>) return;
+  shape.material = default_material(in, emitter != nullptr);
+  if (has_medium && object.old_dialect) {  // up to 0.6 such a shape is only the border of its medium
+    Material border;
+    border.name = "border of a medium", border.at = object.at, border.kind = BsdfKind::null;
+    in.scene.materials.push_back(std::move(border));
+    shape.material = static_cast<MaterialId>(in.scene.materials.size() - 1);
+  }
 }
 
 MeshId add_mesh(Reader& in, Mesh mesh, MeshJob job) {
@@ -126,7 +135,23 @@ MeshId read_mesh_file(Reader& in, Fields& fields, const Transform& to_world) {
     fields.ignore({"max_smooth_angle"});
   }
   fields.ignore({"collapse", "srgb", "load_materials", "name"});
-  return job.path.empty() ? kNone<MeshId> : add_mesh(in, {}, std::move(job));
+  if (job.path.empty()) return kNone<MeshId>;
+  take_converted_file(job, fields.found());
+  return add_mesh(in, {}, std::move(job));
+}
+
+/// Published scenes often come with their OBJ files converted to PLY; a missing OBJ is then no obstacle.
+void take_converted_file(MeshJob& job, Diagnostics& found) {
+  std::error_code code;
+  if (std::filesystem::is_regular_file(job.path, code)) return;
+  const std::string converted = std::filesystem::path(job.path).replace_extension(".ply").string();
+  if (job.format != MeshJob::Format::obj || !std::filesystem::is_regular_file(converted, code)) {
+    job.format = MeshJob::Format::ready;  // told here, so not again by the reader
+    return found.error(job.at, "mesh file " + std::exchange(job.path, "") + " does not exist");
+  }
+  found.warning(job.at, "mesh file " + job.path + " does not exist: " + converted + " is read instead");
+  job.path = converted;
+  job.format = MeshJob::Format::ply;
 }
 
 /// Rotation and scale that carry +z to `axis` (not 0), lengths along z included.
@@ -137,7 +162,7 @@ Transform along(Vec3 axis) {
       {frame.s.x, frame.t.x, axis.x, 0, frame.s.y, frame.t.y, axis.y, 0, frame.s.z, frame.t.z, axis.z, 0, 0, 0, 0, 1});
 }
 
-std::optional<Quadric> read_quadric(Fields& fields, Shape& shape, const Transform& to_world) {
+std::optional<Quadric> read_quadric(Fields& fields, const Transform& to_world) {
   const std::string& type = fields.object().type;
   if (type == "disk") return Quadric{Quadric::Kind::disk, to_world};
   const float radius = static_cast<float>(fields.number("radius", 1, kPositive));
@@ -168,8 +193,6 @@ std::optional<Quadric> read_quadric(Fields& fields, Shape& shape, const Transfor
         "translations, one scale for all axes");
     return {};
   }
-  if (all.determinant3() < 0)
-    shape.flip_normals = !shape.flip_normals;  // as Mitsuba: a mirror turns the sphere inside out
   return Quadric{Quadric::Kind::sphere, all};
 }
 

@@ -19,6 +19,8 @@ namespace {
 const std::vector<std::string> kObjectTags = {"bsdf",      "shape",  "emitter",    "sensor", "film",    "sampler",
                                               "rfilter",   "medium", "phase",      "volume", "texture", "integrator",
                                               "luminaire", "camera", "subsurface", "bsphere"};
+constexpr std::size_t kMaxDepth = 100;  ///< objects within objects
+
 const std::vector<std::string> kStructureTags = {"ref", "alias", "include", "default", "path", "scene"};
 
 /// One file that is being read.
@@ -47,8 +49,9 @@ class TreeReader {
   void read_include(Object& owner, const pugi::xml_node& node, const File& file);
   void substitute(pugi::xml_node node, const File& file);
   std::string substitute(const std::string& text, const TextPosition& at);
-  void remember(const std::string& id, const Object* object, const TextPosition& at);
+  void remember(const std::string& id, Object* object, const TextPosition& at);
   void link();
+  void cut_cycles(Object& object, std::set<const Object*>& open, std::set<const Object*>& done);
   void report_unused_defines();
 
   Tree& tree_;
@@ -56,9 +59,10 @@ class TreeReader {
   Diagnostics& found_;
   std::map<std::string, std::string> defines_;
   std::set<std::string> used_defines_;
-  std::map<std::string, std::pair<const Object*, TextPosition>> ids_;
+  std::map<std::string, std::pair<Object*, TextPosition>> ids_;
   std::vector<std::pair<std::string, std::pair<std::string, TextPosition>>> aliases_;  ///< as -> id
   std::vector<std::string> open_files_;                                                ///< chain of includes
+  std::size_t depth_ = 0;                                                              ///< of the object being read
 };
 
 std::string attribute(const pugi::xml_node& node, const char* name) { return node.attribute(name).as_string(); }
@@ -115,7 +119,7 @@ std::string suggestion(const std::string& name, const std::vector<std::string>& 
     return row.back();
   };
   const std::string* best = nullptr;
-  std::size_t least = std::max<std::size_t>(2, name.size() / 3) + 1;
+  std::size_t least = std::max<std::size_t>(2, (name.size() + 1) / 3) + 1;
   if (name.size() > 200) return {};  // not a misspelt name
   for (const std::string& candidate : allowed)
     if (const std::size_t d = distance(name, candidate); d < least) least = d, best = &candidate;
@@ -262,6 +266,7 @@ void TreeReader::read_object(Object& owner, const pugi::xml_node& node, const Fi
   object.id = attribute(node, "id");
   object.at = file.at(node);
   object.folder = file.folder;
+  object.old_dialect = file.old_names;
   for (const pugi::xml_attribute& a : node.attributes())
     if (const std::string name = a.name(); name != "type" && name != "id" && name != "name")
       found_.error(object.at,
@@ -270,10 +275,14 @@ void TreeReader::read_object(Object& owner, const pugi::xml_node& node, const Fi
   if (!object.id.empty()) remember(object.id, &object, object.at);
   const std::string name = attribute(node, "name");
   owner.children.push_back({file.old_names ? to_snake_case(name) : name, name, "", object.at, &object});
-  read_children(object, node, file, false);
+  if (++depth_ > kMaxDepth)
+    found_.error(object.at, fmt::format("elements nest deeper than {} levels", kMaxDepth));
+  else
+    read_children(object, node, file, false);
+  --depth_;
 }
 
-void TreeReader::remember(const std::string& id, const Object* object, const TextPosition& at) {
+void TreeReader::remember(const std::string& id, Object* object, const TextPosition& at) {
   const auto [place, is_new] = ids_.try_emplace(id, object, at);
   if (!is_new)
     found_.error(at, fmt::format("id \"{}\" is given twice; first at {}", id, to_string(place->second.second)));
@@ -335,6 +344,29 @@ void TreeReader::link() {
         found_.error(child.at,
                      fmt::format("reference to an unknown id \"{}\"{}", child.ref, suggestion(child.ref, known)));
     }
+  std::set<const Object*> open, done;
+  cut_cycles(tree_.objects.front(), open, done);
+  for (Object& object : tree_.objects) cut_cycles(object, open, done);
+}
+
+/// Takes out references through which an object would hold itself.
+void TreeReader::cut_cycles(Object& object, std::set<const Object*>& open, std::set<const Object*>& done) {
+  if (done.contains(&object)) return;
+  open.insert(&object);
+  for (Child& child : object.children) {
+    if (!child.object) continue;
+    if (open.contains(child.object)) {
+      found_.error(child.at, fmt::format("{} \"{}\" holds itself", child.object->tag, child.ref));
+      child.object = nullptr;
+    } else if (open.size() > kMaxDepth) {
+      found_.error(child.at, fmt::format("objects nest deeper than {} levels", kMaxDepth));
+      child.object = nullptr;
+    } else {
+      cut_cycles(*child.object, open, done);
+    }
+  }
+  open.erase(&object);
+  done.insert(&object);
 }
 
 void TreeReader::report_unused_defines() {

@@ -44,7 +44,7 @@ struct Child {
   std::string name, spelled;  ///< empty if unnamed
   std::string ref;            ///< id, if it is a reference
   TextPosition at;
-  const Object* object = nullptr;  ///< null only while the tree is being read, or after an error
+  Object* object = nullptr;  ///< null only while the tree is being read, or after an error
   mutable bool used = false;
 };
 
@@ -53,6 +53,7 @@ struct Object {
   std::string tag, type, spelled_type, id;
   TextPosition at;
   std::filesystem::path folder;  ///< of the file that holds it
+  bool old_dialect = false;      ///< 0.5, 0.6
   std::vector<Property> properties;
   std::vector<Child> children;
 };

@@ -223,7 +223,7 @@ std::optional<ColorValue> read_typed_spectrum(const Reader& in) {
     return color;
   }
   if (type == "uniform" || type == "d65") {  // white in Rec. 709
-    color.kind = ColorValue::Kind::constant, color.constant = scale;
+    color.rgb = gray(static_cast<float>(scale));
     return color;
   }
   in.error(type == "blackbody" ? in.label() + ": allowed: a temperature above 0 kelvin"

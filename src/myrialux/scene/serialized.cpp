@@ -54,6 +54,8 @@ class Inflater {
     read(&value, sizeof(T));
     return value;
   }
+  /// Checks the end of the stream and its checksum.
+  void finish();
   /// Upper bound of the bytes still to come: zlib packs at most 1032 to 1.
   std::uint64_t at_most_left() const { return std::uint64_t{stream_.avail_in} * 1032 + (1u << 16); }
 
@@ -129,6 +131,14 @@ void Inflater::read(void* to, std::size_t n) {
   }
 }
 
+void Inflater::finish() {
+  Bytef spare;
+  stream_.next_out = &spare, stream_.avail_out = 1;
+  if (inflate(&stream_, Z_FINISH) != Z_STREAM_END)
+    throw Broken{fmt::format("packed data are damaged after {} bytes: {}", stream_.total_out,
+                             stream_.msg ? stream_.msg : "they do not end where they should")};
+}
+
 template <class Out>
 void read_array(Inflater& in, bool is_double, std::size_t n_numbers, Out&& out) {
   std::vector<double> wide(is_double ? n_numbers : 0);
@@ -167,6 +177,7 @@ Mesh read_chunk(Inflater& in, std::uint16_t version) {
   if (flags & kColors) read_array(in, is_double, 3 * n_vertices, [](std::size_t, float) {});
   mesh.indices.resize(3 * n_triangles);
   in.read(mesh.indices.data(), mesh.indices.size() * sizeof(std::uint32_t));
+  in.finish();
   return mesh;
 }
 

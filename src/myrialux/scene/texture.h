@@ -36,7 +36,8 @@ struct Texture {
   Rgb color0 = gray(0.4f), color1 = gray(0.2f);  ///< checkerboard
 };
 
-/// Colour at uv, v upwards as OBJ has it (v = 0 is the bottom row of a bitmap). Same convention as Mitsuba.
+/// Colour at uv, v downwards: v = 0 is the top row of a bitmap, as in Mitsuba 3. Meshes hold such uv (OBJ is turned on
+/// loading). Checkerboards: color0 where both coordinates are in the same half of the unit square.
 Rgb evaluate(const Texture& texture, Vec2 uv);
 /// Mean over the unit square.
 Rgb average(const Texture& texture);
