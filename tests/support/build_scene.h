@@ -60,6 +60,31 @@ struct SceneBuilder {
     scene.shapes[index(shape)].flip_normals = flip_normals;
     return shape;
   }
+  /// Octahedron split `n_splits` times and pushed out onto a sphere, shaded smoothly: n and ng differ by up to 55
+  /// degrees at 0 splits, halved by each split.
+  ShapeId smooth_ball(Vec3 centre, float radius, int n_splits, MaterialId material) {
+    std::vector<Vec3> unit = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    std::vector<std::uint32_t> indices = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
+    for (int split = 0; split < n_splits; ++split) {
+      std::vector<std::uint32_t> finer;
+      for (std::size_t k = 0; k < indices.size(); k += 3) {
+        std::uint32_t mid[3];  // repeated vertices do no harm: their normals are equal
+        for (std::size_t e = 0; e < 3; ++e) {
+          mid[e] = static_cast<std::uint32_t>(unit.size());
+          unit.push_back(normalize(unit[indices[k + e]] + unit[indices[k + (e + 1) % 3]]));
+        }
+        const std::uint32_t a = indices[k], b = indices[k + 1], c = indices[k + 2];
+        for (const std::uint32_t i : {a, mid[0], mid[2], mid[0], b, mid[1], mid[2], mid[1], c, mid[0], mid[1], mid[2]})
+          finer.push_back(i);
+      }
+      indices = std::move(finer);
+    }
+    std::vector<Vec3> positions;
+    for (const Vec3 v : unit) positions.push_back(centre + v * radius);
+    const ShapeId shape = mesh(std::move(positions), std::move(indices), material);
+    scene.meshes.back().normals = std::move(unit);
+    return shape;
+  }
   EmitterId area_emitter(ShapeId shape, Rgb radiance) {
     Emitter e;
     e.name = "area" + std::to_string(scene.emitters.size());
