@@ -130,7 +130,7 @@ inline std::vector<double> integrate_directions(const DirectionGrid& grid, const
   const double dt = M_PI / grid.n_theta, dp = 2 * M_PI / grid.n_phi;
   for (int t = 0; t < grid.n_theta; ++t)
     for (int p = 0; p < grid.n_phi; ++p)
-      cells.push_back(integrate_cell(density, t * dt, (t + 1) * dt, p * dp, (p + 1) * dp, 6, tolerance));
+      cells.push_back(integrate_cell(density, t * dt, (t + 1) * dt, p * dp, (p + 1) * dp, 9, tolerance));
   return cells;
 }
 
@@ -146,7 +146,8 @@ inline void write_pgm(const std::string& file, const DirectionGrid& grid, std::s
 /// Draws n directions and compares their histogram with the density. `draw` returns nothing for a lost sample; the
 /// density may integrate to less than 1 by what is lost. If the fit is worse than `level`, writes
 /// chi_square_<name>.csv (observed and expected count of each cell), _observed.pgm and _expected.pgm to the working
-/// folder (the build folder under ctest).
+/// folder (the build folder under ctest). With 40000 samples a density that is off by 5 % over a half of its range is
+/// found at a level of 1e-6.
 inline ChiSquareResult chi_square_directions(const std::string& name, int n, double level,
                                              const std::function<std::optional<Vec3>(int)>& draw,
                                              const std::function<double(Vec3)>& density, DirectionGrid grid = {}) {
@@ -157,7 +158,19 @@ inline ChiSquareResult chi_square_directions(const std::string& name, int n, dou
     const std::optional<Vec3> d = draw(i);
     observed[d ? grid.cell(*d) : grid.size()] += 1;
   }
+  // Cells catch sharp faults, sums over rows and columns catch small faults everywhere: the worst of the three counts
   ChiSquareResult result = chi_square_counts(observed, expected);
+  for (const bool by_theta : {true, false}) {
+    std::vector<double> o(static_cast<std::size_t>(by_theta ? grid.n_theta : grid.n_phi) + 1), e(o.size());
+    for (std::size_t i = 0; i <= grid.size(); ++i) {
+      const std::size_t columns = static_cast<std::size_t>(grid.n_phi);
+      const std::size_t k = i == grid.size() ? o.size() - 1 : by_theta ? i / columns : i % columns;
+      o[k] += observed[i], e[k] += expected[i];
+    }
+    const ChiSquareResult sums = chi_square_counts(o, e);
+    if (sums.p_value < result.p_value) result = sums;
+  }
+  result.p_value = std::min(1.0, 3 * result.p_value);
   if (result.p_value >= level) return result;
   const std::string stem = "chi_square_" + name;
   std::ofstream csv(stem + ".csv");

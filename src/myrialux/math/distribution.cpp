@@ -1,10 +1,27 @@
 #include "myrialux/math/distribution.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "myrialux/base/assert.h"
 
 namespace myrialux {
+namespace {
+
+/// Index of the cell of width 1 / n that holds t; t = 1 belongs to the last.
+std::size_t cell_of(float t, std::size_t n) {
+  return std::min(static_cast<std::size_t>(std::max(0.0f, t) * static_cast<float>(n)), n - 1);
+}
+
+/// Coordinate at share `reused` in [0, 1) of cell i: kept off the neighbours, into which rounding may push it.
+float place_in_cell(std::size_t i, float reused, std::size_t n) {
+  float t = (static_cast<float>(i) + reused) / static_cast<float>(n);
+  while (t >= 1 || cell_of(t, n) > i) t = std::nextafter(t, 0.0f);
+  while (cell_of(t, n) < i) t = std::nextafter(t, 1.0f);
+  return t;
+}
+
+}  // namespace
 
 Distribution1D::Distribution1D(std::span<const float> weights) : cumulative_(weights.size() + 1) {
   for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -41,15 +58,12 @@ Distribution2D::Sample Distribution2D::sample(Vec2 u) const {
   const Distribution1D::Sample row = rows_.sample(u.y);
   const Distribution1D::Sample column = columns_[row.index].sample(u.x);
   const float w = static_cast<float>(width_), h = static_cast<float>(height_);
-  return {{(static_cast<float>(column.index) + column.reused) / w, (static_cast<float>(row.index) + row.reused) / h},
+  return {{place_in_cell(column.index, column.reused, width_), place_in_cell(row.index, row.reused, height_)},
           row.probability * column.probability * w * h};
 }
 
 float Distribution2D::pdf_uv(Vec2 uv) const {
-  const auto cell = [](float t, std::size_t n) {
-    return std::min(static_cast<std::size_t>(std::max(0.0f, t) * static_cast<float>(n)), n - 1);
-  };
-  const std::size_t x = cell(uv.x, width_), y = cell(uv.y, height_);
+  const std::size_t x = cell_of(uv.x, width_), y = cell_of(uv.y, height_);
   if (columns_[y].sum() == 0) return 0;
   return rows_.probability(y) * columns_[y].probability(x) * static_cast<float>(width_ * height_);
 }
