@@ -69,12 +69,14 @@ TEST(Warp, SphereFollowsItsDensity) {
   EXPECT_GE(result.p_value, kLevel) << result.message;
 }
 
-TEST(Warp, ConeFollowsItsDensity) {
+TEST(Warp, ConeIsUniform) {
   for (const float cos_max : {-0.5f, 0.0f, 0.7f, 0.99f}) {
-    const ChiSquareResult result = test_directions(
-        "cone", [&](Vec2 u) { return sample_cone(u, cos_max); },
-        [&](Vec3 d) { return d.z >= cos_max ? static_cast<double>(cone_pdf_omega(cos_max)) : 0; });
+    const ChiSquareResult result = test_uniform_square([&](Vec2 u) {
+      const Vec3 d = sample_cone(u, cos_max);
+      return Vec2{(1 - d.z) / (1 - cos_max), std::atan2(d.y, d.x) / (2 * kPi) + 0.5f};  // share of the area, angle
+    });
     EXPECT_GE(result.p_value, kLevel) << cos_max << ": " << result.message;
+    EXPECT_NEAR(cone_pdf_omega(cos_max) * 2 * kPi * (1 - cos_max), 1, 1e-6f);
   }
 }
 

@@ -85,24 +85,35 @@ inline ChiSquareResult chi_square_counts(std::span<const double> observed, std::
 }
 
 /// Integral of a density over a cell of (theta, phi), per solid angle, by nested Gauss rules down to `depth` halvings.
+/// Cells whose corners lie on both sides of an edge of the density's support are always halved: rules alone may miss
+/// it.
 inline double integrate_cell(const std::function<double(Vec3)>& density, double t0, double t1, double p0, double p1,
                              int depth, double tolerance) {
+  const auto at = [&](double t, double p) {
+    return density({static_cast<float>(std::sin(t) * std::cos(p)), static_cast<float>(std::sin(t) * std::sin(p)),
+                    static_cast<float>(std::cos(t))}) *
+           std::sin(t);
+  };
   const auto gauss = [&](double a0, double a1, double b0, double b1) {
     static constexpr double x[3] = {0.1127016653792583, 0.5, 0.8872983346207417}, w[3] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
     double sum = 0;
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        const double t = a0 + (a1 - a0) * x[i], p = b0 + (b1 - b0) * x[j];
-        const Vec3 d{static_cast<float>(std::sin(t) * std::cos(p)), static_cast<float>(std::sin(t) * std::sin(p)),
-                     static_cast<float>(std::cos(t))};
-        sum += w[i] * w[j] * density(d) * std::sin(t);
-      }
+      for (int j = 0; j < 3; ++j) sum += w[i] * w[j] * at(a0 + (a1 - a0) * x[i], b0 + (b1 - b0) * x[j]);
     return sum * (a1 - a0) * (b1 - b0);
+  };
+  const auto holds_edge = [&] {
+    double least = 1e300, most = 0;
+    for (const double i : {1e-3, 1 - 1e-3})
+      for (const double j : {1e-3, 1 - 1e-3}) {
+        const double corner = at(t0 + (t1 - t0) * i, p0 + (p1 - p0) * j);
+        least = std::min(least, corner), most = std::max(most, corner);
+      }
+    return least == 0 && most * (t1 - t0) * (p1 - p0) > tolerance;
   };
   const double tm = (t0 + t1) / 2, pm = (p0 + p1) / 2;
   const double whole = gauss(t0, t1, p0, p1);
   const double parts = gauss(t0, tm, p0, pm) + gauss(tm, t1, p0, pm) + gauss(t0, tm, pm, p1) + gauss(tm, t1, pm, p1);
-  if (depth == 0 || std::fabs(whole - parts) < tolerance) return parts;
+  if (depth == 0 || (std::fabs(whole - parts) < tolerance && !holds_edge())) return parts;
   return integrate_cell(density, t0, tm, p0, pm, depth - 1, tolerance) +
          integrate_cell(density, tm, t1, p0, pm, depth - 1, tolerance) +
          integrate_cell(density, t0, tm, pm, p1, depth - 1, tolerance) +
