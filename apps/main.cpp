@@ -88,16 +88,17 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", std::string("myrialux ") + MYRIALUX_VERSION + " (" + isa_name() + ")");
   app.set_help_flag("-h,--help", "Print this help");
   app.get_formatter()->column_width(26);
+  add_render(app, session);
+  add_info(app, session);
+  add_check(app, session);
+  add_lights(app, session);
+  // Set last: subcommands would inherit it.
   app.footer(R"(Examples:
   myrialux render room.xml -o room.exr -o room.png
   myrialux info room.xml
   myrialux render --help
 
 Results go to files or stdout, everything else to stderr. NO_COLOR and MYRIALUX_THREADS are respected.)");
-  add_render(app, session);
-  add_info(app, session);
-  add_check(app, session);
-  add_lights(app, session);
   app.require_subcommand(0, 1);
 
   constexpr int kUsage = static_cast<int>(ErrorKind::usage);

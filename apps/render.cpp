@@ -219,7 +219,8 @@ std::vector<std::string> summary(const RenderStats& s, double write_s) {
   else if (s.rays.camera > 0 && gather_s > 0)
     lines.push_back(fmt::format("speed: {}, {} camera rays/s", s.method,
                                 count_words(static_cast<double>(s.rays.camera) / gather_s)));
-  if (s.clamped_energy_fraction > 0.001)
+  const auto residual = s.parameters.find("myrialux.residual");
+  if (s.clamped_energy_fraction > 0.001 && residual != s.parameters.end() && residual->second == "off")
     lines.push_back(fmt::format("clamping took away {:.1f} % of the light; --residual on adds it back",
                                 100 * s.clamped_energy_fraction));
   lines.push_back("memory: " + bytes_words(s.memory.peak_rss) + " at most");

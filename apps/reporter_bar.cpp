@@ -40,6 +40,7 @@ class BarReporter final : public Reporter {
 
   void show_end(const StageState& s, bool is_whole) override {
     erase();
+    if (!is_whole && s.elapsed_s < 1) return;
     if (s.repeated) return;  // later passes leave no line; the sums come at the end
     std::string line = fmt::format("{:<12}{:>12}", s.name, is_whole ? duration_words(s.elapsed_s) : "stopped");
     if (s.done > 0)

@@ -20,18 +20,19 @@ class JsonReporter final : public Reporter {
     Json j = {{"event", event}, {"stage", s.name}, {"done", s.done}};
     j["total"] = s.total > 0 ? Json(s.total) : Json(nullptr);
     j["unit"] = s.unit;
-    j["elapsed_s"] = s.elapsed_s;
     return j;
   }
 
   void show_begin(const StageState& s) override { say(describe("stage", s)); }
   void show_state(const StageState& s) override {
     Json j = describe("progress", s);
+    j["elapsed_s"] = s.elapsed_s;
     j["eta_s"] = s.seconds_left() >= 0 ? Json(s.seconds_left()) : Json(nullptr);
     say(j);
   }
   void show_end(const StageState& s, bool is_whole) override {
     Json j = describe("stage_end", s);
+    j["elapsed_s"] = s.elapsed_s;
     j["whole"] = is_whole;
     say(j);
   }

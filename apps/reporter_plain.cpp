@@ -28,6 +28,7 @@ class PlainReporter final : public Reporter {
   void show_end(const StageState& s, bool is_whole) override {
     // Passes repeat their stages: short ones need no line each time.
     if (s.repeated && is_whole && since_line_.elapsed() < kInterval_s) return;
+    if (!is_whole && s.elapsed_s < 1) return;
     std::string line =
         fmt::format("{}: {} {}", s.name, is_whole ? "done in" : "stopped after", duration_words(s.elapsed_s));
     if (s.done > 0)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include "myrialux/base/parallel.h"
 #include "myrialux/base/suggest.h"
@@ -19,9 +20,9 @@ bool is_mitsuba(const std::string& path) { return std::filesystem::path(path).ex
 /// "bamc" of "bamc.alpha".
 std::string prefix(const std::string& key) { return key.substr(0, key.find('.')); }
 
-void place_camera(const SceneOptions& options, Camera& camera) {
-  if (options.fov_deg > 0) camera.fov_x_deg = static_cast<float>(options.fov_deg);
-  if (options.look_at.empty()) return;
+/// Where --look-at puts the camera, if given.
+std::optional<Transform> camera_placement(const SceneOptions& options) {
+  if (options.look_at.empty()) return {};
   const std::vector<float> v =
       parse_floats("--look-at", options.look_at, {6, 9},
                    "six or nine numbers: where the camera stands, what it looks at, which way is up (0,1,0 if left "
@@ -35,7 +36,7 @@ void place_camera(const SceneOptions& options, Camera& camera) {
     throw Error(ErrorKind::usage, "--look-at " + options.look_at +
                                       ": up is parallel to the view or zero; give another direction as the last three "
                                       "numbers, for example 0,0,1");
-  camera.to_world = Transform::look_at(origin, target, up);
+  return Transform::look_at(origin, target, up);
 }
 
 }  // namespace
@@ -114,11 +115,13 @@ Definitions sort_definitions(const SceneOptions& options) {
 int thread_count(const SceneOptions& options) { return options.threads > 0 ? options.threads : available_threads(); }
 
 Scene open_scene(const SceneOptions& options, const Definitions& definitions, Reporter& reporter) {
+  const std::optional<Transform> placement = camera_placement(options);
   reporter.stage("load", 0, "");
   Scene scene = load_scene(options.path, {.defines = definitions.scene, .strict = options.strict});
   reporter.end_stage();
   reporter.warn(scene.diagnostics);
-  place_camera(options, scene.camera);
+  if (placement) scene.camera.to_world = *placement;
+  if (options.fov_deg > 0) scene.camera.fov_x_deg = static_cast<float>(options.fov_deg);
   return scene;
 }
 
