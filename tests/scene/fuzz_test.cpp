@@ -53,7 +53,7 @@ const std::string kPly =
     "property list uchar int vertex_indices\nend_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n"
     "0 1 0 0 0 1\n4 0 1 2 3\n3 0 2 3\n";
 
-TEST(Fuzz, DamagedXmlNeverCrashes) {
+void fuzz_xml(int n_items) {
   const TemporaryFolder folder;
   folder.write("t.obj", kObj);
   const std::string xml = R"(<?xml version="1.0"?>
@@ -74,10 +74,10 @@ TEST(Fuzz, DamagedXmlNeverCrashes) {
   <shape type="sphere"><float name="radius" value="2"/><emitter type="area"><blackbody name="radiance" temperature="4000K"/></emitter></shape>
 </scene>)";
   EXPECT_NO_THROW(load_scene(folder.write("s.xml", xml)));
-  fuzz(folder, "s.xml", xml, "s.xml", 1500);
+  fuzz(folder, "s.xml", xml, "s.xml", n_items);
 }
 
-TEST(Fuzz, DamagedMeshesNeverCrash) {
+void fuzz_meshes(int n_items) {
   const TemporaryFolder folder;
   folder.write("t.mtl", "newmtl a\nKd 0.5 0.5 0.5\n");
   const auto scene = [&](const std::string& kind) {
@@ -86,25 +86,34 @@ TEST(Fuzz, DamagedMeshesNeverCrash) {
                                          "\"/></shape>")),
            kind + ".xml";
   };
-  fuzz(folder, "t.obj", kObj, scene("obj"), 1000);
-  fuzz(folder, "t.obj", kObj, "t.obj", 500);
-  fuzz(folder, "t.ply", kPly, scene("ply"), 1000);
+  fuzz(folder, "t.obj", kObj, scene("obj"), n_items);
+  fuzz(folder, "t.obj", kObj, "t.obj", n_items);
+  fuzz(folder, "t.ply", kPly, scene("ply"), n_items);
   std::string binary =
       "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
       "property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n";
   binary.append(48, '\0');
   for (int f = 0; f < 2; ++f) binary += std::string("\x03\0\0\0\0\x01\0\0\0\x02\0\0\0", 13);
-  fuzz(folder, "t.ply", binary, "ply.xml", 1000);
+  fuzz(folder, "t.ply", binary, "ply.xml", n_items);
   std::string big = binary;
   big.replace(big.find("little"), 6, "big");
-  fuzz(folder, "t.ply", big, "ply.xml", 500);
+  fuzz(folder, "t.ply", big, "ply.xml", n_items);
 }
 
-TEST(Fuzz, DamagedMaterialFilesNeverCrash) {
+void fuzz_materials(int n_items) {
   const TemporaryFolder folder;
   folder.write("t.obj", kObj);
   fuzz(folder, "t.mtl", "newmtl a\nKd 0.1 0.2 0.3\nKs 1 1 1\nNs 100\nKe 1 1 1\nd 0.5\nTr 0.5\nmap_Kd -s 1 1 1 x.png\n",
-       "t.obj", 500);
+       "t.obj", n_items);
+}
+
+TEST(Fuzz, DamagedXmlNeverCrashes) { fuzz_xml(150); }
+TEST(Fuzz, DamagedMeshesNeverCrash) { fuzz_meshes(100); }
+TEST(Fuzz, DamagedMaterialFilesNeverCrash) { fuzz_materials(100); }
+TEST(Fuzz, SlowManyDamagedFilesNeverCrash) {
+  fuzz_xml(2000);
+  fuzz_meshes(1500);
+  fuzz_materials(1000);
 }
 
 }  // namespace
