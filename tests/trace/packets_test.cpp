@@ -70,18 +70,33 @@ std::size_t count_disagreements(const Tracer& tracer, bool to_direction, bool co
   return n_wrong;
 }
 
-TEST(Packets, AllWidthsAgreeWithSingleRays) {
-  const Scene scene = test::mixed_scene();
+void expect_agreement(const Scene& scene, std::size_t n_segments) {
   const Tracer tracer(scene);
   for (const bool to_direction : {false, true})
     for (const bool common_end : {false, true}) {
-      constexpr std::size_t kSegments = 250'000;
       std::size_t n_blocked = 0;
-      const std::size_t wrong = count_disagreements(tracer, to_direction, common_end, kSegments, n_blocked);
-      EXPECT_EQ(wrong, 0u) << "direction " << to_direction << ", common end " << common_end;
-      EXPECT_GT(n_blocked, kSegments / 10);
-      EXPECT_LT(n_blocked, kSegments * 9 / 10);
+      EXPECT_EQ(count_disagreements(tracer, to_direction, common_end, n_segments, n_blocked), 0u)
+          << "direction " << to_direction << ", common end " << common_end;
+      EXPECT_GT(n_blocked, n_segments / 100);
+      EXPECT_LT(n_blocked, n_segments * 99 / 100);
     }
+}
+
+TEST(Packets, AllWidthsAgreeWithSingleRays) { expect_agreement(test::mixed_scene(), 128'000); }
+
+TEST(Packets, AllWidthsAgreeOnMeshesAndInstances) {
+  Scene scene = test::mixed_scene();
+  std::erase_if(scene.placed,
+                [&](ShapeId id) { return std::holds_alternative<Quadric>(scene.shapes[index(id)].geometry); });
+  expect_agreement(scene, 128'000);
+}
+
+TEST(Packets, AllWidthsAgreeOnMeshesWithCutouts) {
+  Scene scene = test::mixed_scene();
+  scene.instances.clear();
+  std::erase_if(scene.placed,
+                [&](ShapeId id) { return std::holds_alternative<Quadric>(scene.shapes[index(id)].geometry); });
+  expect_agreement(scene, 128'000);
 }
 
 TEST(Packets, LanesThatAreNotValidAreNeitherTracedNorReported) {

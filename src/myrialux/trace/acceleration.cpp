@@ -49,7 +49,7 @@ Acceleration::Acceleration(const Scene& s) : scene(s) {
   const bool has_quadric = std::any_of(scene.placed.begin(), scene.placed.end(), [&](ShapeId id) {
     return std::holds_alternative<Quadric>(scene.shapes[index(id)].geometry);
   });
-  may_trace_coherent = !(has_quadric && !scene.instances.empty());
+  may_trace_coherent = !has_quadric && scene.instances.empty();
   for (const Instance& instance : scene.instances) {
     placements.emplace_back(instance.to_world);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);

@@ -40,8 +40,9 @@ struct Acceleration {
   std::vector<Placement> placements;                 ///< [Scene::instances]
   std::atomic<std::int64_t> bytes{0};
   bool has_native_16 = false;
-  /// Embree 3.13.5's coherent traversal of 16-wide packets does not return when the root holds both user geometry and
-  /// instances (observed with sphere beside instanced triangles); such scenes are traced as incoherent.
+  /// Embree 3.13.5's coherent traversal (16 wide) may not return when a scene holds more than triangles: it sorts lanes
+  /// by octant, and lanes that its other structures have found blocked before match none. Only scenes of meshes alone
+  /// are traced as coherent.
   bool may_trace_coherent = true;
   Box3 bounds;
 

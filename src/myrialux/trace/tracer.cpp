@@ -12,6 +12,10 @@ struct Tracer::State : Acceleration {
 
 namespace {
 
+/// Where segments end: Embree's test of t is off by some roundoffs, so that segments would meet the surface that they
+/// end on. 16 roundoffs before t = 1; grazing segments are held off by SurfacePoint::offset.
+constexpr float kSegmentEnd = 1 - 0x1p-20f;
+
 /// Sets lanes [first, first + N) of the packet; ids count from 0.
 template <int N, int M>
 void fill(RayPacket<N>& rays, const Segments<M>& s, int first, bool to_is_direction);
@@ -128,7 +132,7 @@ std::uint32_t trace_lanes(const Acceleration& a, const Segments<M>& s, int first
 
 template <int N, int M>
 void fill(RayPacket<N>& rays, const Segments<M>& s, int first, bool to_is_direction) {
-  const float far = to_is_direction ? kInfinity : 1;
+  const float far = to_is_direction ? kInfinity : kSegmentEnd;
   for (int k = 0; k < N; ++k) {
     rays.org_x[k] = s.from_x[first + k], rays.org_y[k] = s.from_y[first + k], rays.org_z[k] = s.from_z[first + k];
     rays.dir_x[k] = s.to_x[first + k], rays.dir_y[k] = s.to_y[first + k], rays.dir_z[k] = s.to_z[first + k];
@@ -147,7 +151,7 @@ bool trace_one(const Acceleration& a, Vec3 from, Vec3 to, bool to_is_direction) 
   init(context, a, to_is_direction);
   for (int axis = 0; axis < 3; ++axis) context.from[axis] = &from.x + axis, context.to[axis] = &to.x + axis;
   const Vec3 d = to_is_direction ? to : to - from;
-  RTCRay ray{from.x, from.y, from.z, 0, d.x, d.y, d.z, 0, to_is_direction ? kInfinity : 1, 0xffffffffu, 0, 0};
+  RTCRay ray{from.x, from.y, from.z, 0, d.x, d.y, d.z, 0, to_is_direction ? kInfinity : kSegmentEnd, 0xffffffffu, 0, 0};
   embree_occluded<1>(nullptr, a.root, context.embree, ray, false);
   return ray.tfar < 0;
 }

@@ -36,7 +36,7 @@ inline Vec3 offset_origin(Vec3 p, Vec3 ng, float offset, Vec3 direction) {
 template <int N>
 struct alignas(64) Segments {
   float from_x[N], from_y[N], from_z[N];  ///< origins
-  float to_x[N], to_y[N], to_z[N];        ///< direction = to - from, traced for t in [0, 1]
+  float to_x[N], to_y[N], to_z[N];        ///< direction = to - from, traced for t in (0, 1 - 2^-20]
 };
 
 /// An immutable acceleration structure over a scene, safe to use from all threads. Keeps a reference to the scene.
