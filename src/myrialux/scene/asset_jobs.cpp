@@ -1,3 +1,4 @@
+// Loads queued meshes and images in parallel; results and messages keep the order of naming.
 #include "myrialux/scene/asset_jobs.h"
 
 #include <fmt/format.h>

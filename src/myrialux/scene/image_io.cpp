@@ -1,3 +1,4 @@
+// Reads image files by OpenImageIO into linear or sRGB-coded pixels.
 #include "myrialux/scene/image_io.h"
 
 #include <OpenImageIO/imageio.h>

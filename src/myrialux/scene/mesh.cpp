@@ -1,3 +1,4 @@
+// Moves meshes to the world, makes their normals and drops triangles without area.
 #include "myrialux/scene/mesh.h"
 
 #include <array>

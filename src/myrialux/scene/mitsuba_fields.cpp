@@ -1,3 +1,4 @@
+// Typed access to properties: wrong types and values are told, unread ones warned of.
 #include "myrialux/scene/mitsuba_fields.h"
 
 #include <fmt/format.h>

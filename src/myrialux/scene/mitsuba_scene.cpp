@@ -1,3 +1,4 @@
+// Walks over the top of a Mitsuba scene and hands each object to its reader.
 #include "myrialux/scene/mitsuba_scene.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// Parses numbers without locale, and finds lines and columns.
 #include "myrialux/scene/text.h"
 
 #include <fmt/format.h>
