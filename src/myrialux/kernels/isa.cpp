@@ -1,3 +1,4 @@
+// Asks Highway which instruction sets this machine runs, and pins one for tests.
 #include "myrialux/kernels/isa.h"
 
 #include "myrialux/base/assert.h"

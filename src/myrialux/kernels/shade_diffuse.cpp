@@ -1,3 +1,4 @@
+// Diffuse rows under diffuse lights: rows in lanes, columns in the inner loop, sums in registers. [wang20, 4.6]
 #include "myrialux/kernels/shade_diffuse.h"
 
 #include <algorithm>

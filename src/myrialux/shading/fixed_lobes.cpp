@@ -1,3 +1,4 @@
+// Multiplies out what a fixed direction contributes to a BSDF: the scalar half of kernels/lobes-inl.h.
 #include "myrialux/shading/fixed_lobes.h"
 
 #include "myrialux/scattering/fresnel.h"

@@ -1,3 +1,4 @@
+// Copies rows and columns into flat arrays, sorted by the kernel that will take them.
 #include "myrialux/shading/gather.h"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// Sums a slice block by block: diffuse pairs by the fast kernel, all others by the general one.
 #include "myrialux/shading/shade.h"
 
 #include <algorithm>

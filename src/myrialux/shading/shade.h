@@ -14,7 +14,8 @@ struct ShadeParams {
 
 struct ShadeResult {
   double radiance_sum = 0;      ///< luminance summed over rows, beta not included
-  double clamped_away_sum = 0;  ///< luminance that clamping removed from visible entries
+  double clamped_away_sum = 0;  ///< luminance that clamping removed from visible entries; measured on the first 16 of
+                                ///< every 128 rows and scaled up
 };
 
 /// @param visible [rows x columns]; @param radiance [rows], set; beta is not applied
