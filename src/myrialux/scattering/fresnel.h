@@ -1,4 +1,4 @@
-// Fresnel reflectances. Sources: Mitsuba 3's fresnel.h formulas; [wilkie12] for metals.
+// Fresnel reflectances of dielectrics and metals. Sources: [born99], [egan73], [deon11]; tests compare with Mitsuba 3.
 #pragma once
 
 #include "myrialux/math/vec.h"
@@ -17,7 +17,7 @@ DielectricFresnel fresnel_dielectric(float cos_i, float eta);
 Rgb fresnel_conductor(float cos_i, Rgb eta, Rgb k);
 
 /// Cosine-weighted mean reflectance over the hemisphere, for light on the outside of a boundary of index eta
-/// (eta < 1: from the inside). Polynomial fits of [deon11], as Mitsuba uses.
+/// (eta < 1: from the inside). Fits of [deon11] and, from the inside, [egan73].
 float fresnel_diffuse_reflectance(float eta);
 
 }  // namespace myrialux

@@ -17,8 +17,8 @@ struct RoughTransmittance {
 };
 
 /// Table for a coat of this roughness and index (interior / exterior). Alpha above 1.97 counts as 1.97.
-/// The first call near an alpha integrates (15 ms a row for GGX, 50 ms for Beckmann); later calls look up. Thread-safe; the values do not depend
-/// on the order of calls.
+/// The first call near an alpha integrates (15 ms a row for GGX, 50 ms for Beckmann); later calls look up. Thread-safe;
+/// the values do not depend on the order of calls.
 RoughTransmittance rough_transmittance(Microfacets distribution, float alpha, float eta);
 
 /// Transmitted share of light arriving from outside at cosine cos_theta in [0, 1]: linear between nodes.
