@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cmath>
 #include <fstream>
+#include <memory>
 #include <string>
 
 #include "myrialux/base/error.h"
@@ -25,10 +26,10 @@ void flush_denormals() {
   _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
 }
 
+/// Lives as long as the process: TBB keeps what it allocates for an observer that comes and goes.
 class FlushObserver : public tbb::task_scheduler_observer {
  public:
   FlushObserver() { observe(true); }
-  ~FlushObserver() override { observe(false); }
   void on_scheduler_entry(bool) override { flush_denormals(); }
 };
 
@@ -49,15 +50,16 @@ int available_threads() {
 
 struct ThreadScope::State {
   tbb::global_control limit;
-  FlushObserver observer;
 };
 
 ThreadScope::ThreadScope(int n_threads)
-    : state_(new State{
-          tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(n_threads)), {}}) {
+    : state_(std::make_unique<State>(tbb::global_control(tbb::global_control::max_allowed_parallelism,
+                                                         static_cast<std::size_t>(n_threads)))) {
+  static FlushObserver* const observer = new FlushObserver();  // not destroyed: workers may outlive statics
+  (void)observer;
   flush_denormals();
 }
-ThreadScope::~ThreadScope() { delete state_; }
+ThreadScope::~ThreadScope() = default;
 
 void request_cancel() noexcept { g_cancel.store(true, std::memory_order_relaxed); }
 void clear_cancel() noexcept { g_cancel.store(false, std::memory_order_relaxed); }

@@ -6,6 +6,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include <cstddef>
+#include <memory>
 
 #include "myrialux/base/cancel.h"
 
@@ -24,7 +25,7 @@ class ThreadScope {
 
  private:
   struct State;
-  State* state_;
+  std::unique_ptr<State> state_;
 };
 
 /// Calls body(i) for i in [0, n), items in groups of `grain`. Throws Error (interrupted) once cancelled.
