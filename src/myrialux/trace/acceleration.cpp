@@ -15,6 +15,7 @@ namespace {
 void check(RTCDevice device, const Scene& scene, const char* doing);
 /// Adds the shape to an Embree scene under the given id. Empty meshes are left out.
 void attach(RTCDevice device, RTCScene to, unsigned id, const Scene& scene, ShapeId shape, GeometryRecord& record);
+void attach_instance(RTCDevice device, RTCScene to, unsigned id, const Instance& instance, RTCScene group);
 RTCGeometry mesh_geometry(RTCDevice device, const Mesh& mesh);
 void commit(RTCScene scene);
 
@@ -43,34 +44,32 @@ Acceleration::Acceleration(const Scene& s) : scene(s) {
     commit(group_scenes[g]);
   }
 
-  root = rtcNewScene(device);
-  for (std::size_t k = 0; k < placed.size(); ++k)
-    attach(device, root, static_cast<unsigned>(k), scene, scene.placed[k], placed[k]);
-  const bool has_quadric = std::any_of(scene.placed.begin(), scene.placed.end(), [&](ShapeId id) {
-    return std::holds_alternative<Quadric>(scene.shapes[index(id)].geometry);
-  });
-  may_trace_coherent = !has_quadric && scene.instances.empty();
+  meshes = rtcNewScene(device);
+  for (std::size_t k = 0; k < placed.size(); ++k) {
+    const bool is_quadric = std::holds_alternative<Quadric>(scene.shapes[index(scene.placed[k])].geometry);
+    if (is_quadric && !quadrics) quadrics = rtcNewScene(device);
+    attach(device, is_quadric ? quadrics : meshes, static_cast<unsigned>(k), scene, scene.placed[k], placed[k]);
+  }
+  if (!scene.instances.empty()) instances = rtcNewScene(device);
   for (const Instance& instance : scene.instances) {
     placements.emplace_back(instance.to_world);
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(geometry, group_scenes[instance.group]);
-    float rows[12];
-    for (int i = 0; i < 12; ++i) rows[i] = static_cast<float>(instance.to_world.rows()[i]);
-    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(root, geometry, static_cast<unsigned>(placed.size() + placements.size() - 1));
-    rtcReleaseGeometry(geometry);
+    attach_instance(device, instances, static_cast<unsigned>(placed.size() + placements.size() - 1), instance,
+                    group_scenes[instance.group]);
   }
-  commit(root);
+  for (RTCScene kind : {meshes, quadrics, instances})
+    if (kind) {
+      commit(kind);
+      RTCBounds box;
+      rtcGetSceneBounds(kind, &box);
+      bounds.add(Box3{{box.lower_x, box.lower_y, box.lower_z}, {box.upper_x, box.upper_y, box.upper_z}});
+    }
   check(device, scene, "building the acceleration structure");
-  RTCBounds box;
-  rtcGetSceneBounds(root, &box);
-  bounds = {{box.lower_x, box.lower_y, box.lower_z}, {box.upper_x, box.upper_y, box.upper_z}};
 }
 
 Acceleration::~Acceleration() {
   for (RTCScene group : group_scenes) rtcReleaseScene(group);
-  if (root) rtcReleaseScene(root);
+  for (RTCScene kind : {meshes, quadrics, instances})
+    if (kind) rtcReleaseScene(kind);
   if (device) rtcReleaseDevice(device);
 }
 
@@ -116,6 +115,17 @@ void attach(RTCDevice device, RTCScene to, unsigned id, const Scene& scene, Shap
     rtcSetGeometryOccludedFunction(geometry, quadric_occluded);
   }
   rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_HIGH);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(to, geometry, id);
+  rtcReleaseGeometry(geometry);
+}
+
+void attach_instance(RTCDevice device, RTCScene to, unsigned id, const Instance& instance, RTCScene group) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(geometry, group);
+  float rows[12];
+  for (int i = 0; i < 12; ++i) rows[i] = static_cast<float>(instance.to_world.rows()[i]);
+  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, rows);
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(to, geometry, id);
   rtcReleaseGeometry(geometry);

@@ -24,7 +24,11 @@ struct GeometryRecord {
   const Material& material() const { return scene->materials[index(the_shape().material)]; }
 };
 
-/// Static acceleration structure. Geometry ids of `root`: placed shapes in order, then instances in order.
+/// Static acceleration structures: meshes, quadrics and instances apart. Geometry ids are common to all three: placed
+/// shapes in order, then instances in order.
+/// Apart, because Embree 3.13.5's coherent traversal may not return when one scene holds several kinds: it sorts lanes
+/// by octant, and lanes that another kind has found blocked before match none. Only meshes are traced as coherent, and
+/// lanes found blocked are taken out between the kinds.
 struct Acceleration {
   explicit Acceleration(const Scene& scene);
   ~Acceleration();
@@ -33,17 +37,14 @@ struct Acceleration {
 
   const Scene& scene;
   RTCDevice device = nullptr;
-  RTCScene root = nullptr;
+  RTCScene meshes = nullptr;                         ///< always there
+  RTCScene quadrics = nullptr, instances = nullptr;  ///< null if there are none
   std::vector<RTCScene> group_scenes;
   std::vector<GeometryRecord> placed;                ///< [Scene::placed]
   std::vector<std::vector<GeometryRecord>> grouped;  ///< [group][shape in it]
   std::vector<Placement> placements;                 ///< [Scene::instances]
   std::atomic<std::int64_t> bytes{0};
   bool has_native_16 = false;
-  /// Embree 3.13.5's coherent traversal (16 wide) may not return when a scene holds more than triangles: it sorts lanes
-  /// by octant, and lanes that its other structures have found blocked before match none. Only scenes of meshes alone
-  /// are traced as coherent.
-  bool may_trace_coherent = true;
   Box3 bounds;
 
   /// The instance with that Embree id, or null for shapes in the world.

@@ -50,7 +50,8 @@ std::optional<SurfacePoint> Tracer::closest(const Ray& ray) const {
   RTCRayHit query{};
   query.ray = {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, ray.t_max, 0xffffffffu, 0, 0};
   query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  embree_intersect(a.root, context.embree, query);
+  for (RTCScene kind : {a.meshes, a.quadrics, a.instances})
+    if (kind) embree_intersect(kind, context.embree, query);
   const RTCHit& hit = query.hit;
   if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
 
@@ -89,7 +90,7 @@ std::uint32_t Tracer::occluded_packet_direction(const Segments<N>& segments, std
 Box3 Tracer::bounds() const { return state_->bounds; }
 std::uint64_t Tracer::memory_bytes() const { return static_cast<std::uint64_t>(state_->bytes.load()); }
 const Scene& Tracer::scene() const { return state_->scene; }
-void* Tracer::native_scene() const { return state_->root; }
+void* Tracer::native_scene() const { return state_->meshes; }
 
 template std::uint32_t Tracer::occluded_packet<4>(const Segments<4>&, std::uint32_t, bool) const;
 template std::uint32_t Tracer::occluded_packet<8>(const Segments<8>&, std::uint32_t, bool) const;
@@ -104,13 +105,19 @@ template <int N>
 std::uint32_t trace_packet(const Acceleration& a, const Segments<N>& s, std::uint32_t valid, bool coherent,
                            bool to_is_direction) {
   if (valid == 0) return 0;
-  coherent = coherent && a.may_trace_coherent;
   if constexpr (N == 16) {
     if (!a.has_native_16)
       return trace_lanes<8>(a, s, 0, valid & 0xff, coherent, to_is_direction) |
              trace_lanes<8>(a, s, 8, (valid >> 8) & 0xff, coherent, to_is_direction) << 8;
   }
   return trace_lanes<N>(a, s, 0, valid, coherent, to_is_direction);
+}
+
+template <int N>
+std::uint32_t blocked_lanes(const RayPacket<N>& rays) {
+  std::uint32_t blocked = 0;
+  for (int k = 0; k < N; ++k) blocked |= (rays.tfar[k] < 0 ? 1u : 0u) << k;
+  return blocked;
 }
 
 template <int N, int M>
@@ -124,10 +131,15 @@ std::uint32_t trace_lanes(const Acceleration& a, const Segments<M>& s, int first
   for (int k = 0; k < N; ++k) lanes[k] = (valid & (1u << k)) ? -1 : 0;
   RayPacket<N> rays;
   fill<N>(rays, s, first, to_is_direction);
-  embree_occluded<N>(lanes, a.root, context.embree, rays, coherent);
-  std::uint32_t blocked = 0;
-  for (int k = 0; k < N; ++k) blocked |= (rays.tfar[k] < 0 ? 1u : 0u) << k;
-  return blocked & valid;
+  embree_occluded<N>(lanes, a.meshes, context.embree, rays, coherent);
+  std::uint32_t blocked = blocked_lanes<N>(rays) & valid;
+  for (RTCScene kind : {a.quadrics, a.instances}) {
+    if (!kind || blocked == valid) continue;
+    for (int k = 0; k < N; ++k) lanes[k] = (valid & ~blocked & (1u << k)) ? -1 : 0;
+    embree_occluded<N>(lanes, kind, context.embree, rays, false);
+    blocked = blocked_lanes<N>(rays) & valid;
+  }
+  return blocked;
 }
 
 template <int N, int M>
@@ -152,7 +164,8 @@ bool trace_one(const Acceleration& a, Vec3 from, Vec3 to, bool to_is_direction) 
   for (int axis = 0; axis < 3; ++axis) context.from[axis] = &from.x + axis, context.to[axis] = &to.x + axis;
   const Vec3 d = to_is_direction ? to : to - from;
   RTCRay ray{from.x, from.y, from.z, 0, d.x, d.y, d.z, 0, to_is_direction ? kInfinity : kSegmentEnd, 0xffffffffu, 0, 0};
-  embree_occluded<1>(nullptr, a.root, context.embree, ray, false);
+  for (RTCScene kind : {a.meshes, a.quadrics, a.instances})
+    if (kind && ray.tfar >= 0) embree_occluded<1>(nullptr, kind, context.embree, ray, false);
   return ray.tfar < 0;
 }
 

@@ -67,7 +67,8 @@ class Tracer {
   Box3 bounds() const;
   std::uint64_t memory_bytes() const;
   const Scene& scene() const;
-  /// The raw Embree scene (RTCScene), for benchmarks against the library itself.
+  /// The raw Embree scene (RTCScene) of the placed meshes, for benchmarks against the library itself. Not for scenes
+  /// with cut-outs: their callbacks need the tracer's own context.
   void* native_scene() const;
 
  private:
