@@ -18,6 +18,8 @@ void axis_weights(const Filter& filter, float position, int pixel, int reach, fl
   for (int d = -reach; d <= reach; ++d) weight[d + reach] = filter.evaluate(x - (low + static_cast<float>(d) + 0.5f));
 }
 
+std::size_t index_of(int k) { return static_cast<std::size_t>(k); }
+
 }  // namespace
 
 void accumulate(std::span<const Vec2> position, std::span<const Rgb> values, int width, int height, int spp,
@@ -27,7 +29,7 @@ void accumulate(std::span<const Vec2> position, std::span<const Rgb> values, int
   MYRIALUX_ASSERT(sum_rgb.size() == 3 * n_pixels && weight.size() == n_pixels);
   // A sample anywhere in its pixel reaches at most this many pixels further.
   const int reach = std::max(0, static_cast<int>(std::ceil(filter.radius + 0.5f)) - 1);
-  const std::size_t taps = static_cast<std::size_t>(2 * reach + 1);
+  const std::size_t taps = 2 * static_cast<std::size_t>(reach) + 1;
 
   // A block of rows gathers from its own samples and from those of `reach` rows around; each pixel receives them in the
   // order of their indices, however rows are shared out.
@@ -47,10 +49,10 @@ void accumulate(std::span<const Vec2> position, std::span<const Rgb> values, int
           axis_weights(filter, position[s].y, sy, reach, weight_y.data());
           const Rgb value = values[s];
           for (int y = std::max(y_begin, sy - reach); y <= std::min(y_end - 1, sy + reach); ++y) {
-            const double fy = weight_y[static_cast<std::size_t>(y - sy + reach)];
+            const double fy = weight_y[index_of(y - sy + reach)];
             if (fy == 0) continue;
             for (int x = std::max(0, sx - reach); x <= std::min(width - 1, sx + reach); ++x) {
-              const double f = fy * static_cast<double>(weight_x[static_cast<std::size_t>(x - sx + reach)]);
+              const double f = fy * static_cast<double>(weight_x[index_of(x - sx + reach)]);
               const std::size_t pixel =
                   static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
               weight[pixel] += f;
