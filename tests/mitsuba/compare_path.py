@@ -80,7 +80,7 @@ def main():
         print(f"skipped: {missing}")
         return 77
     mitsuba.set_variant("scalar_rgb")
-    mitsuba.Thread.thread().logger().set_log_level(mitsuba.LogLevel.Warn)
+    mitsuba.set_log_level(mitsuba.LogLevel.Warn)
     width, height = map(int, options.size.split("x"))
     theirs, ours = [], []
     with tempfile.TemporaryDirectory() as name:
@@ -93,8 +93,8 @@ def main():
             subprocess.run([options.program, "render", str(path), "--method", options.method, "--size", options.size,
                             "--spp", str(options.spp), "--filter", "box", "--seed", str(seed + 1), "--progress", "none",
                             "-o", str(out), *extra], check=True, stdout=subprocess.DEVNULL)
-            ours.append(np.array(mitsuba.Bitmap(str(out)).convert(mitsuba.Bitmap.PixelFormat.RGB,
-                                                                  mitsuba.Struct.Type.Float32, False)))
+            layers = dict(mitsuba.Bitmap(str(out)).split())
+            ours.append(np.array(layers["<root>"])[:, :, :3])
     ours, theirs = np.array(ours, dtype=float), np.array(theirs, dtype=float)
     mean_p = p_values(*t_values(ours.mean(axis=(1, 2)), theirs.mean(axis=(1, 2)))).min()
     a, b = (np.array([block_means(r).reshape(-1) for r in runs]) for runs in (ours, theirs))

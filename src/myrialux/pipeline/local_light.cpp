@@ -19,12 +19,15 @@ PathCounters add_local_light(const World& world, const Receivers& receivers, con
       const Vertex vertex = receiver_vertex(world, receivers, i);
       if (params.direct) {
         Rng rng(params.key, Stage::direct, receivers.sample[i]);
-        radiance[i] += next_event(world, vertex, Lobes::wide, /*mis=*/params.residual, rng, counters[block]);
+        radiance[i] += next_event(world, vertex, Lobes::wide, /*mis=*/params.residual, rng, counters[block],
+                                  params.direct_samples);
       }
       if (params.residual) {
         Rng rng(params.key, Stage::residual, receivers.sample[i]);
-        const ResidualParams residual{
-            .clamp_distance = params.clamp_distance, .direct_by_sampling = params.direct, .depth = receivers.depth[i]};
+        const ResidualParams residual{.clamp_distance = params.clamp_distance,
+                                      .direct_by_sampling = params.direct,
+                                      .direct_samples = params.direct_samples,
+                                      .depth = receivers.depth[i]};
         radiance[i] += residual_radiance(world, vertex, residual, rng, counters[block]);
       }
     }

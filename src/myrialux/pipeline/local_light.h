@@ -10,6 +10,7 @@ namespace myrialux {
 
 struct LocalLightParams {
   bool direct = true;        ///< next-event estimation; false: direct light comes from virtual lights
+  int direct_samples = 1;    ///< emitter samples a receiver
   bool residual = true;      ///< see residual_radiance()
   float clamp_distance = 0;  ///< as the virtual lights were clamped
   RandomKey key;

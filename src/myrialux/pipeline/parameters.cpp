@@ -87,6 +87,9 @@ const std::vector<Key>& keys() {
       switch_key(
           "bamc.cull", "leave out entries whose transfer is zero; false: trace them too, as published",
           [](P & p) -> auto& { return p.method.bamc_cull; }),
+      count_key(
+          "direct.samples", 1, 4096, "emitter samples a receiver where direct light is sampled",
+          [](P & p) -> auto& { return p.direct_samples; }),
       number_key(
           "sharp_alpha", 0, 1, "roughness up to which gloss is followed by rays instead of joined to lights",
           [](P & p) -> auto& { return p.sharp_alpha; }),

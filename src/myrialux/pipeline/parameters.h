@@ -9,6 +9,7 @@ namespace myrialux {
 struct TunedParams {
   MethodParams method;
   float sharp_alpha = kDefaultSharpAlpha;
+  std::uint32_t direct_samples = 4;  ///< emitter samples a receiver under --direct sampled
 };
 
 /// Applies all of RenderParams::extra. @throws Error (usage) for an unknown key (naming the nearest) or a bad value.

@@ -180,10 +180,13 @@ void render_pass(const World& world, const Settings& settings, int pass, FrameSt
   // What virtual lights leave out, by rays of each receiver's own.
   const bool direct = params.direct == RenderParams::Direct::sampled;
   if (direct || params.residual) {
-    const PathCounters counters = add_local_light(
-        world, receivers,
-        {.direct = direct, .residual = params.residual, .clamp_distance = method_params.cut.clamp_distance, .key = key},
-        result.radiance, progress);
+    const PathCounters counters = add_local_light(world, receivers,
+                                                  {.direct = direct,
+                                                   .direct_samples = static_cast<int>(settings.tuned.direct_samples),
+                                                   .residual = params.residual,
+                                                   .clamp_distance = method_params.cut.clamp_distance,
+                                                   .key = key},
+                                                  result.radiance, progress);
     stats.rays.compensation += counters.closest + counters.occlusion;
     stats.time_s["direct"] += wall.lap();
   }

@@ -20,10 +20,18 @@ Rgb reflected_radiance(const World& world, const Vertex& vertex, Lobes lobes, in
   return direct + follow_path(world, ray, walk, rng, counters);
 }
 
-Rgb next_event(const World& world, const Vertex& vertex, Lobes lobes, bool mis, Rng& rng, PathCounters& counters) {
-  const float u_pick = rng.next();
-  const Vec2 u{rng.next(), rng.next()};
-  return emitter_sample(world, vertex, lobes, {.mis = mis}, u_pick, u, counters);
+Rgb next_event(const World& world, const Vertex& vertex, Lobes lobes, bool mis, Rng& rng, PathCounters& counters,
+               int n_samples) {
+  // A randomly shifted rank-1 lattice over (emitter, place on it); additive recurrence of [roberts18].
+  float u_pick = rng.next();
+  Vec2 u{rng.next(), rng.next()};
+  const auto step = [](float& x, float by) { x += by, x -= x >= 1 ? 1 : 0; };
+  Rgb sum;
+  for (int k = 0; k < n_samples; ++k) {
+    sum += emitter_sample(world, vertex, lobes, {.mis = mis, .n_samples = n_samples}, u_pick, u, counters);
+    step(u_pick, 0.5497005f), step(u.x, 0.8191725f), step(u.y, 0.6710436f);
+  }
+  return sum * (1 / static_cast<float>(n_samples));
 }
 
 Rgb emitter_sample(const World& world, const Vertex& vertex, Lobes lobes, const EmitterSampleParams& params,
@@ -42,7 +50,9 @@ Rgb emitter_sample(const World& world, const Vertex& vertex, Lobes lobes, const 
   if (light->is_distant ? world.tracer.occluded_direction(from, light->wi) : world.tracer.occluded(from, light->to))
     return {};
   const float weight =
-      params.mis && !light->is_delta ? mis_weight(light->pdf_omega, pdf_omega(vertex.bsdf, wi, wo, lobes)) : 1;
+      params.mis && !light->is_delta
+          ? mis_weight(static_cast<float>(params.n_samples) * light->pdf_omega, pdf_omega(vertex.bsdf, wi, wo, lobes))
+          : 1;
   return f * light->radiance * (kept * weight / light->pdf_omega);
 }
 

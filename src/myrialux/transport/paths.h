@@ -60,9 +60,11 @@ Rgb path_radiance(const World& world, Ray ray, int depth, Rng& rng, PathCounters
 Rgb reflected_radiance(const World& world, const Vertex& vertex, Lobes lobes, int depth, Rng& rng,
                        PathCounters& counters);
 
-/// Direct light at the vertex through `lobes` by one emitter sample (weight by MIS unless `mis` is false). Not asked
-/// for depth: call it only where one more edge is within max_depth (receivers are made only there).
-Rgb next_event(const World& world, const Vertex& vertex, Lobes lobes, bool mis, Rng& rng, PathCounters& counters);
+/// Direct light at the vertex through `lobes` by n_samples emitter samples, spread evenly (weight by MIS against one
+/// BSDF sample unless `mis` is false). Not asked for depth: call it only where one more edge is within max_depth
+/// (receivers are made only there).
+Rgb next_event(const World& world, const Vertex& vertex, Lobes lobes, bool mis, Rng& rng, PathCounters& counters,
+               int n_samples = 1);
 
 /// What virtual lights cannot carry to a receiver, estimated by one continued path (unbiased). The path leaves the
 /// vertex by its wide lobes and meets y:
@@ -75,6 +77,7 @@ Rgb next_event(const World& world, const Vertex& vertex, Lobes lobes, bool mis, 
 struct ResidualParams {
   float clamp_distance = 0;
   bool direct_by_sampling = true;
+  int direct_samples = 1;  ///< n_samples of the next_event() that shares the weight of emission met
   int depth = 1;
 };
 Rgb residual_radiance(const World& world, const Vertex& vertex, const ResidualParams& params, Rng& rng,

@@ -29,6 +29,7 @@ Rgb residual_radiance(const World& world, const Vertex& vertex, const ResidualPa
   walk.depth = params.depth;
   Ray ray;
   if (!scatter(world, vertex, Lobes::wide, walk, ray, rng)) return sum;
+  if (params.direct_by_sampling) walk.light_samples = static_cast<float>(params.direct_samples);
   const auto lost = [&](const SurfacePoint* at) {
     return lost_part(vertex.surface, ray.direction, at ? length(at->p - vertex.surface.p) : kInfinity, c);
   };

@@ -10,7 +10,7 @@ float emission_weight(const World& world, const CameraWalk& walk, const SurfaceP
   const float light_pdf_omega =
       hit ? world.emitters.direct_pdf_omega(walk.from, hit->emitter, hit->p, hit->ng, hit->primitive)
           : world.emitters.environment_pdf_omega(direction);
-  return mis_weight(walk.pdf_omega, light_pdf_omega);
+  return mis_weight(walk.pdf_omega, walk.light_samples * light_pdf_omega);
 }
 
 Rgb met_emission(const World& world, const CameraWalk& walk, const SurfacePoint* hit, const Ray& ray) {
@@ -31,6 +31,7 @@ bool scatter(const World& world, const Vertex& vertex, Lobes lobes, CameraWalk& 
   walk.eta *= s.eta;
   walk.pdf_omega = s.is_delta ? 0 : s.pdf_omega;
   walk.from = vertex.surface.p;
+  walk.light_samples = 1;
   const Vec3 wi = vertex.to_world(s.wi);
   ray = {offset_origin(vertex.surface.p, vertex.surface.ng, vertex.surface.offset, wi), wi};
   if (walk.depth < world.rr_depth) return true;

@@ -11,10 +11,11 @@ namespace myrialux {
 /// What a camera path carries from vertex to vertex.
 struct CameraWalk {
   Rgb beta = gray(1);
-  float eta = 1;        ///< product of relative indices crossed, for Russian roulette
-  float pdf_omega = 0;  ///< density of the last bounce; 0: camera ray or delta bounce, seen emission counts fully
-  Vec3 from;            ///< where the last bounce started (meaningless while pdf_omega is 0)
-  int depth = 0;        ///< edges used so far
+  float eta = 1;            ///< product of relative indices crossed, for Russian roulette
+  float pdf_omega = 0;      ///< density of the last bounce; 0: camera ray or delta bounce, seen emission counts fully
+  float light_samples = 1;  ///< emitter samples taken where the last bounce started
+  Vec3 from;                ///< where the last bounce started (meaningless while pdf_omega is 0)
+  int depth = 0;            ///< edges used so far
 };
 
 /// May a path of `edges` edges count?
@@ -41,6 +42,7 @@ inline float lost_part(const SurfacePoint& x, Vec3 wi, float d, float c) {
 /// One emitter sample.
 struct EmitterSampleParams {
   bool mis = true;
+  int n_samples = 1;       ///< how many the caller takes and averages
   bool lost_only = false;  ///< times lost_part(): what bounce-0 lights clamped at clamp_distance did not bring
   float clamp_distance = 0;
 };
