@@ -8,7 +8,7 @@ namespace myrialux {
 namespace {
 
 float opacity_at(const Scene& scene, const ColorSlot& opacity, Vec2 uv);
-/// A finaliser of 64-bit hashes. Source: [steele14], mix13
+/// A finaliser of 64-bit hashes. Source: [steele14], splitmix64
 std::uint64_t mix(std::uint64_t z);
 
 }  // namespace

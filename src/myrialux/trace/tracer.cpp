@@ -113,10 +113,12 @@ std::uint32_t trace_packet(const Acceleration& a, const Segments<N>& s, std::uin
   return trace_lanes<N>(a, s, 0, valid, coherent, to_is_direction);
 }
 
+/// Embree marks blocked lanes by tfar = -infinity.
 template <int N>
-std::uint32_t blocked_lanes(const RayPacket<N>& rays) {
+std::uint32_t blocked_lanes(const float* tfar) {
   std::uint32_t blocked = 0;
-  for (int k = 0; k < N; ++k) blocked |= (rays.tfar[k] < 0 ? 1u : 0u) << k;
+  for (std::uint32_t k = 0; k < N; ++k)
+    if (tfar[k] < 0) blocked |= 1u << k;
   return blocked;
 }
 
@@ -132,12 +134,12 @@ std::uint32_t trace_lanes(const Acceleration& a, const Segments<M>& s, int first
   RayPacket<N> rays;
   fill<N>(rays, s, first, to_is_direction);
   embree_occluded<N>(lanes, a.meshes, context.embree, rays, coherent);
-  std::uint32_t blocked = blocked_lanes<N>(rays) & valid;
+  std::uint32_t blocked = blocked_lanes<N>(rays.tfar) & valid;
   for (RTCScene kind : {a.quadrics, a.instances}) {
     if (!kind || blocked == valid) continue;
     for (int k = 0; k < N; ++k) lanes[k] = (valid & ~blocked & (1u << k)) ? -1 : 0;
     embree_occluded<N>(lanes, kind, context.embree, rays, false);
-    blocked = blocked_lanes<N>(rays) & valid;
+    blocked = blocked_lanes<N>(rays.tfar) & valid;
   }
   return blocked;
 }
