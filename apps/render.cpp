@@ -20,7 +20,7 @@ namespace {
 struct RenderOptions {
   SceneOptions scene;
   std::vector<std::string> outputs;
-  std::string method = RenderParams{}.method, size, filter, aov, stats, direct = "sampled", residual = "on";
+  std::string method = RenderParams{}.method, size, filter, aov, stats, direct = "vpl", residual = "on";
   std::string memory_limit;
   double exposure = 0;
   RenderParams params;
@@ -112,11 +112,10 @@ void add_arguments(CLI::App& c, RenderOptions& o) {
                             : whole_number(1, 1 << 20)(text) + (text == "0" ? " (or -1: no limit)" : "");
       })
       ->option_text("N");
-  c.add_option(
-       "--direct", o.direct,
-       "Direct light: sampled (shadow rays to the lamps\nat each receiver) or vpl (by virtual lights).\nDefault "
-       "sampled")
-      ->check(one_of({"sampled", "vpl"}))
+  c.add_option("--direct", o.direct,
+               "Direct light: vpl (by virtual lights) or sampled\n(shadow rays to the lamps at each receiver;\nnumber: "
+               "-D direct.samples=). Default vpl")
+      ->check(one_of({"vpl", "sampled"}))
       ->option_text("HOW");
   c.add_option("--clamp", p.clamp,
                fmt::format("Distance below which a virtual light grows no\nbrighter, as a fraction of the scene's "

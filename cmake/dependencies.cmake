@@ -21,7 +21,6 @@ set_target_properties(OpenImageIO::OpenImageIO PROPERTIES INTERFACE_INCLUDE_DIRE
 find_package(ZLIB REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
-find_package(Eigen3 REQUIRED)
 
 add_library(myrialux_flags INTERFACE)
 target_include_directories(myrialux_flags INTERFACE ${PROJECT_SOURCE_DIR}/src)
@@ -29,7 +28,7 @@ target_include_directories(myrialux_flags INTERFACE ${PROJECT_SOURCE_DIR}/src)
 # -Wrestrict misfires on "a" + std::to_string(b) in gcc 12 (its bug 105651).
 # No contraction to fused multiply-add: the same bits from the same source on every machine.
 target_compile_options(myrialux_flags INTERFACE -march=x86-64-v2 -ffp-contract=off -Wall -Wextra -Wshadow
-  -Wno-psabi -Wno-restrict $<$<BOOL:${MYRIALUX_WERROR}>:-Werror>)
+  -Wno-psabi $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> $<$<BOOL:${MYRIALUX_WERROR}>:-Werror>)
 target_compile_definitions(myrialux_flags INTERFACE MYRIALUX_VERSION="${PROJECT_VERSION}")
 if(MYRIALUX_SANITIZE)
   target_compile_options(myrialux_flags INTERFACE -fsanitize=${MYRIALUX_SANITIZE} -fno-omit-frame-pointer
@@ -41,6 +40,5 @@ set(myrialux_libs_base TBB::tbb fmt::fmt)
 set(myrialux_libs_kernels hwy::hwy)
 set(myrialux_libs_scene pugixml::pugixml OpenImageIO::OpenImageIO ZLIB::ZLIB)
 set(myrialux_libs_trace embree)
-set(myrialux_libs_clusters Eigen3::Eigen)
 set(myrialux_libs_film OpenImageIO::OpenImageIO)
 set(myrialux_libs_report nlohmann_json::nlohmann_json)

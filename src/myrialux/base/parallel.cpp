@@ -53,8 +53,8 @@ struct ThreadScope::State {
 };
 
 ThreadScope::ThreadScope(int n_threads)
-    : state_(std::make_unique<State>(tbb::global_control(tbb::global_control::max_allowed_parallelism,
-                                                         static_cast<std::size_t>(n_threads)))) {
+    : state_(std::make_unique<State>(
+          tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(n_threads)))) {
   static FlushObserver* const observer = new FlushObserver();  // not destroyed: workers may outlive statics
   (void)observer;
   flush_denormals();

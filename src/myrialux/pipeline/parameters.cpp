@@ -7,6 +7,8 @@
 #include <charconv>
 #include <functional>
 
+#include "myrialux/base/suggest.h"
+
 namespace myrialux {
 namespace {
 
@@ -97,31 +99,15 @@ const std::vector<Key>& keys() {
   return table;
 }
 
-/// Edits (insert, delete, replace) between two words.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replace = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replace});
-    }
-  }
-  return row.back();
-}
-
 }  // namespace
 
 void apply_extra(const std::map<std::string, std::string>& extra, TunedParams& params) {
   for (const auto& [name, text] : extra) {
     const auto it = std::find_if(keys().begin(), keys().end(), [&](const Key& k) { return k.name == name; });
     if (it == keys().end()) {
-      const auto nearest = std::min_element(keys().begin(), keys().end(), [&](const Key& a, const Key& b) {
-        return edit_distance(a.name, name) < edit_distance(b.name, name);
-      });
-      throw Error(ErrorKind::usage, fmt::format("-D {}: no such key; did you mean {}?", name, nearest->name));
+      std::vector<std::string> names;
+      for (const Key& k : keys()) names.push_back(k.name);
+      throw Error(ErrorKind::usage, fmt::format("-D {}: no such key{}", name, did_you_mean(name, names)));
     }
     it->set(params, text);
   }

@@ -16,7 +16,7 @@ struct RenderParams {
   std::uint64_t n_lights = 100000;
   std::uint32_t n_clusters = 1000;
   int max_depth = 0;  ///< 0: as the scene says; -1: no limit
-  enum class Direct { vpl, sampled } direct = Direct::sampled;
+  enum class Direct { vpl, sampled } direct = Direct::vpl;
   float clamp = 0.02f;   ///< fraction of the robust scene radius; 0 = off
   bool residual = true;  ///< add what virtual lights cannot carry (see transport/paths.h)
   int passes = 1;

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <filesystem>
 
+#include "myrialux/math/srgb.h"
+
 namespace myrialux {
 
 namespace {
 
 constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
-
-float linear_of_srgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
 
 /// Channels to read: 1, 3 or 4 of the file's.
 int kept_channels(int n) { return n >= 4 ? 4 : n == 3 ? 3 : 1; }
@@ -52,7 +52,7 @@ std::optional<Image> read_image(const std::string& path, bool raw, float gamma, 
     if (is_curved || (!raw && gamma > 0))
       for (std::size_t i = 0; i < n; ++i) {
         if (image.channels == 4 && i % 4 == 3) continue;
-        image.floats[i] = is_curved ? linear_of_srgb(image.floats[i]) : std::pow(image.floats[i], gamma);
+        image.floats[i] = is_curved ? decode_srgb(image.floats[i]) : std::pow(image.floats[i], gamma);
       }
   }
   if (!is_good) {

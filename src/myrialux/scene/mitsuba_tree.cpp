@@ -9,6 +9,7 @@
 #include <pugixml.hpp>
 #include <set>
 
+#include "myrialux/base/suggest.h"
 #include "myrialux/scene/mitsuba_values.h"
 #include "myrialux/scene/text.h"
 
@@ -104,26 +105,9 @@ std::string to_snake_case(const std::string& name) {
 }
 
 std::string suggestion(const std::string& name, const std::vector<std::string>& allowed) {
-  const auto distance = [](const std::string& a, const std::string& b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      std::size_t diagonal = row[0];
-      row[0] = i + 1;
-      for (std::size_t j = 0; j < b.size(); ++j) {
-        const std::size_t replace = diagonal + (std::tolower(a[i]) != std::tolower(b[j]));
-        diagonal = row[j + 1];
-        row[j + 1] = std::min({replace, row[j] + 1, diagonal + 1});
-      }
-    }
-    return row.back();
-  };
-  const std::string* best = nullptr;
-  std::size_t least = std::max<std::size_t>(2, (name.size() + 1) / 3) + 1;
   if (name.size() > 200) return {};  // not a misspelt name
-  for (const std::string& candidate : allowed)
-    if (const std::size_t d = distance(name, candidate); d < least) least = d, best = &candidate;
-  return best ? "; did you mean \"" + *best + "\"?" : "";
+  const std::string best = nearest_name(name, allowed);
+  return best.empty() ? "" : "; did you mean \"" + best + "\"?";
 }
 
 namespace {

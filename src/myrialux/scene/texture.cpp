@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "myrialux/base/assert.h"
+#include "myrialux/math/srgb.h"
 
 namespace myrialux {
 
@@ -56,8 +57,7 @@ const std::array<float, 256>& srgb_table() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> t{};
     for (int i = 0; i < 256; ++i) {
-      const double v = i / 255.0;
-      t[i] = static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
+      t[i] = decode_srgb(static_cast<float>(i) / 255);
     }
     return t;
   }();
