@@ -80,7 +80,7 @@ TEST_F(Usage, MistakesExitWith2AndSayWhatIsAllowed) {
       {{"render", room, "-o", out, "--max-depth", "0"}, "-1: no limit"},
       {{"render", room, "-o", out, "--clamp", "-1"}, "allowed is a number from 0"},
       {{"render", room, "-o", out, "--filter", "gausian"}, "did you mean gaussian?"},
-      {{"render", room, "-o", out, "--direct", "both"}, "sampled, vpl"},
+      {{"render", room, "-o", out, "--direct", "both"}, "vpl, sampled"},
       {{"render", room, "-o", out, "--aov", "normal,deph"}, "did you mean depth?"},
       {{"render", room, "-o", out, "--look-at", "1,2,3"}, "six or nine numbers"},
       {{"render", room, "-o", out, "--look-at", "1,2,3,1,2,3"}, "stands on the point"},

@@ -44,7 +44,7 @@ const Broken kScenes[] = {
     {"UnknownElement", "<shap type=\"cube\"/>", "s.xml:2:1: unknown element <shap>; did you mean \"shape\"?"},
     {"UnknownTransformStep",
      "<shape type=\"cube\"><transform name=\"to_world\">\n<rotation z=\"1\" angle=\"3\"/></transform></shape>",
-     "s.xml:3:1: unknown element <rotation> in a transform; did you mean \"rotate\"?; allowed: translate, rotate, "
+     "s.xml:3:1: unknown element <rotation> in a transform; allowed: translate, rotate, "
      "scale, "
      "lookat, matrix"},
     {"UnknownReference", "<bsdf type=\"diffuse\" id=\"wall\"/><shape type=\"cube\">\n  <ref id=\"wal\"/></shape>",
@@ -148,7 +148,7 @@ const Broken kCameras[] = {
     {"NegativeView", "<float name=\"fov\" value=\"-1\"/>",
      "s.xml:2:1: \"fov\" is -1; allowed: greater than 0, less than 180 (degrees)"},
     {"UnknownAxis", "<string name=\"fov_axis\" value=\"z\"/>",
-     "s.xml:2:1: \"fov_axis\" is \"z\"; did you mean \"x\"?; allowed: x, y, diagonal, smaller, larger"},
+     "s.xml:2:1: \"fov_axis\" is \"z\"; allowed: x, y, diagonal, smaller, larger"},
     {"WideFilm", "<film type=\"hdrfilm\"><integer name=\"width\" value=\"65537\"/></film>",
      "s.xml:2:22: \"width\" is 65537; allowed: 1 to 65536"},
     {"EmptyFilm", "<film type=\"hdrfilm\"><integer name=\"height\" value=\"0\"/></film>",
