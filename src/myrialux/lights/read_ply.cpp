@@ -3,25 +3,24 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <map>
 #include <optional>
-#include <sstream>
+#include <string>
 #include <string_view>
 
 #include "myrialux/lights/ply_columns.h"
 #include "myrialux/lights/virtual_lights.h"
+#include "myrialux/scene/ply_format.h"
+#include "myrialux/scene/text.h"
 
 namespace myrialux {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary files are read as they lie in memory");
 
-enum class Type : std::uint8_t { i8, u8, i16, u16, i32, u32, f32, f64 };
 struct Property {
   std::string name;
-  Type type;
+  PlyType type;
   std::optional<PlyColumn> column;  ///< none: not ours, skipped
 };
 struct Header {
@@ -38,7 +37,6 @@ using Row = std::array<double, kPlyColumns>;
 [[noreturn]] void fail(const std::string& place, const std::string& what) {
   throw Error(ErrorKind::input, place + ": " + what);
 }
-std::string read_whole(const std::string& path);
 Header read_header(const std::string& text, const std::string& path, const Scene& scene);
 void read_binary(const std::string& text, const std::string& path, const Header& header, auto&& take);
 void read_ascii(const std::string& text, const std::string& path, const Header& header, auto&& take);
@@ -48,7 +46,9 @@ void add_light(const Row& row, const Header& header, float default_offset, Virtu
 }  // namespace
 
 VirtualLights read_lights(const std::string& path, const Scene& scene) {
-  const std::string text = read_whole(path);
+  const std::optional<std::string> bytes = read_file(path);
+  if (!bytes) fail(path, "the file of virtual lights cannot be read");
+  const std::string& text = *bytes;
   const Header header = read_header(text, path, scene);
   // Positions written by others need not lie exactly on our surfaces.
   const Box3 bounds = scene.bounds();
@@ -64,42 +64,12 @@ VirtualLights read_lights(const std::string& path, const Scene& scene) {
 
 namespace {
 
-std::string read_whole(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) fail(path, std::string("cannot open the file of virtual lights: ") + std::strerror(errno));
-  std::ostringstream all;
-  all << file.rdbuf();
-  return std::move(all).str();
-}
-
-std::vector<std::string> words_of(std::string_view line) {
-  std::vector<std::string> words;
-  std::istringstream in{std::string(line)};
-  for (std::string word; in >> word;) words.push_back(word);
-  return words;
-}
-
-std::optional<Type> type_of(const std::string& name) {
-  static const std::map<std::string, Type> kTypes = {
-      {"char", Type::i8},   {"int8", Type::i8},     {"uchar", Type::u8},   {"uint8", Type::u8},
-      {"short", Type::i16}, {"int16", Type::i16},   {"ushort", Type::u16}, {"uint16", Type::u16},
-      {"int", Type::i32},   {"int32", Type::i32},   {"uint", Type::u32},   {"uint32", Type::u32},
-      {"float", Type::f32}, {"float32", Type::f32}, {"double", Type::f64}, {"float64", Type::f64}};
-  const auto found = kTypes.find(name);
-  return found == kTypes.end() ? std::nullopt : std::optional(found->second);
-}
-
-std::size_t size_of(Type t) {
-  constexpr std::array<std::size_t, 8> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
-  return kSizes[static_cast<std::size_t>(t)];
-}
-
 /// "comment bsdf ENTRY MATERIAL NAME": the material must be the scene's.
-void read_material(const std::vector<std::string>& words, std::string_view line, const std::string& place,
+void read_material(const std::vector<std::string_view>& words, std::string_view line, const std::string& place,
                    const Scene& scene, Header& header) {
   int entry = 0;
   std::uint32_t material = 0;
-  const auto number = [&](const std::string& word, auto& out) {
+  const auto number = [&](std::string_view word, auto& out) {
     const auto r = std::from_chars(word.data(), word.data() + word.size(), out);
     return r.ec == std::errc() && r.ptr == word.data() + word.size();
   };
@@ -116,19 +86,20 @@ void read_material(const std::vector<std::string>& words, std::string_view line,
   header.materials[entry] = static_cast<MaterialId>(material);
 }
 
-void read_property(const std::vector<std::string>& words, const std::string& place, Header& header) {
+void read_property(const std::vector<std::string_view>& words, const std::string& place, Header& header) {
   if (words.size() >= 2 && words[1] == "list") fail(place, "lights must not have list properties");
-  const auto type = words.size() == 3 ? type_of(words[1]) : std::nullopt;
+  const auto type = words.size() == 3 ? parse_ply_type(words[1]) : std::nullopt;
   if (!type)
     fail(place,
          "a property must be \"property TYPE NAME\" with a type of char, uchar, short, ushort, int, "
          "uint, float or double");
   if (words[2] == "radius" || words[2] == "x1")
-    fail(place, "property '" + words[2] + "': sphere lights and ray lights cannot be rendered; only point lights can");
-  Property property{words[2], *type, std::nullopt};
+    fail(place, "property '" + std::string(words[2]) +
+                    "': sphere lights and ray lights cannot be rendered; only point lights can");
+  Property property{std::string(words[2]), *type, std::nullopt};
   for (std::size_t c = 0; c < kPlyColumns; ++c)
     if (words[2] == kPlyNames[c]) {
-      if (header.has[c]) fail(place, "property '" + words[2] + "' is given twice");
+      if (header.has[c]) fail(place, "property '" + std::string(words[2]) + "' is given twice");
       header.has[c] = true;
       property.column = static_cast<PlyColumn>(c);
     }
@@ -164,7 +135,7 @@ Header read_header(const std::string& text, const std::string& path, const Scene
     std::string_view line(text.data() + at, end - at);
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     at = end + 1;
-    const std::vector<std::string> words = words_of(line);
+    const std::vector<std::string_view> words = split_words(line);
     if (header.lines == 1) {
       if (line != "ply") fail(place, "a PLY file must begin with the line \"ply\"");
       continue;
@@ -174,16 +145,18 @@ Header read_header(const std::string& text, const std::string& path, const Scene
       if (words.size() > 1 && words[1] == "bsdf") read_material(words, line, place, scene, header);
     } else if (words[0] == "format" && words.size() == 3) {
       if (words[1] != "ascii" && words[1] != "binary_little_endian")
-        fail(place, "format '" + words[1] + "' cannot be read; ascii and binary_little_endian can");
+        fail(place, "format '" + std::string(words[1]) + "' cannot be read; ascii and binary_little_endian can");
       header.binary = words[1] != "ascii", has_format = true;
     } else if (words[0] == "element" && words.size() == 3) {
       in_vertex = words[1] == "vertex";
-      if (!in_vertex && !has_vertex) fail(place, "element 'vertex' must come first, not '" + words[1] + "'");
+      if (!in_vertex && !has_vertex)
+        fail(place, "element 'vertex' must come first, not '" + std::string(words[1]) + "'");
       if (!in_vertex) continue;
       const char* last = words[2].data() + words[2].size();
       const auto r = std::from_chars(words[2].data(), last, header.n_lights);
       if (has_vertex || r.ec != std::errc() || r.ptr != last || header.n_lights > 0x7fffffffu)
-        fail(place, "the number of lights must be given once and be from 0 to 2^31 - 1, got '" + words[2] + "'");
+        fail(place,
+             "the number of lights must be given once and be from 0 to 2^31 - 1, got '" + std::string(words[2]) + "'");
       has_vertex = true;
     } else if (words[0] == "property") {
       if (in_vertex) read_property(words, place, header);
@@ -200,32 +173,6 @@ Header read_header(const std::string& text, const std::string& path, const Scene
   return header;
 }
 
-double binary_value(const char* at, Type type) {
-  const auto as = [&](auto v) {
-    std::memcpy(&v, at, sizeof v);
-    return static_cast<double>(v);
-  };
-  switch (type) {
-    case Type::i8:
-      return as(std::int8_t{});
-    case Type::u8:
-      return as(std::uint8_t{});
-    case Type::i16:
-      return as(std::int16_t{});
-    case Type::u16:
-      return as(std::uint16_t{});
-    case Type::i32:
-      return as(std::int32_t{});
-    case Type::u32:
-      return as(std::uint32_t{});
-    case Type::f32:
-      return as(float{});
-    case Type::f64:
-      return as(double{});
-  }
-  return 0;
-}
-
 void read_binary(const std::string& text, const std::string& path, const Header& header, auto&& take) {
   std::size_t stride = 0;
   for (const Property& p : header.properties) stride += size_of(p.type);
@@ -238,7 +185,7 @@ void read_binary(const std::string& text, const std::string& path, const Header&
     std::size_t at = begin;
     Row row{};
     for (const Property& p : header.properties) {
-      if (p.column) row[static_cast<std::size_t>(*p.column)] = binary_value(text.data() + at, p.type);
+      if (p.column) row[static_cast<std::size_t>(*p.column)] = load_number(text.data() + at, p.type, false);
       at += size_of(p.type);
     }
     take(row, [&] { return path + ": byte " + std::to_string(begin) + " (light " + std::to_string(j) + ")"; });
@@ -254,7 +201,7 @@ void read_ascii(const std::string& text, const std::string& path, const Header& 
     if (at >= text.size())
       fail(place(), "the file ends at light " + std::to_string(j) + " of " + std::to_string(header.n_lights));
     const std::size_t end = std::min(text.find('\n', at), text.size());
-    const std::vector<std::string> words = words_of(std::string_view(text).substr(at, end - at));
+    const std::vector<std::string_view> words = split_words(std::string_view(text).substr(at, end - at));
     at = end + 1;
     if (words.empty()) continue;
     if (words.size() != header.properties.size())
@@ -266,7 +213,8 @@ void read_ascii(const std::string& text, const std::string& path, const Header& 
       const char* last = words[k].data() + words[k].size();
       const auto r = std::from_chars(words[k].data(), last, v);
       if (r.ec != std::errc() || r.ptr != last)
-        fail(place(), "'" + words[k] + "' is not a number that property '" + header.properties[k].name + "' can hold");
+        fail(place(), "'" + std::string(words[k]) + "' is not a number that property '" + header.properties[k].name +
+                          "' can hold");
       if (header.properties[k].column) row[static_cast<std::size_t>(*header.properties[k].column)] = v;
     }
     take(row, place);

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -11,20 +10,18 @@
 #include <vector>
 
 #include "myrialux/scene/mesh.h"
+#include "myrialux/scene/ply_format.h"
 #include "myrialux/scene/text.h"
 
 namespace myrialux {
 
 namespace {
 
-enum class Type : std::uint8_t { i8, u8, i16, u16, i32, u32, f32, f64 };
-constexpr std::size_t kTypeSize[] = {1, 1, 2, 2, 4, 4, 4, 8};
-
 struct PlyProperty {
   std::string name;
-  Type type = Type::f32;
+  PlyType type = PlyType::f32;
   bool is_list = false;
-  Type count_type = Type::u8;
+  PlyType count_type = PlyType::u8;
 };
 struct PlyElement {
   std::string name;
@@ -50,14 +47,14 @@ class Body {
  public:
   Body(const std::string& path, std::string_view bytes, const PlyHeader& header)
       : path_(path), bytes_(bytes), at_(header.size), line_(header.n_lines), encoding_(header.encoding) {}
-  double next(Type type);
+  double next(PlyType type);
   std::size_t left() const { return bytes_.size() - at_; }
   const char* here() const { return bytes_.data() + at_; }
   void skip(std::size_t n) { at_ += n; }
   [[noreturn]] void fail(const std::string& what) const;
 
  private:
-  double next_word(Type type);
+  double next_word(PlyType type);
   const std::string& path_;
   std::string_view bytes_;
   std::size_t at_;
@@ -107,32 +104,12 @@ Mesh read_ply(const std::string& path, Diagnostics& found) {
 
 namespace {
 
-std::vector<std::string_view> words_of(std::string_view line) {
-  std::vector<std::string_view> words;
-  while (!(line = trim(line)).empty()) {
-    const std::size_t end = std::min(line.find_first_of(" \t\r"), line.size());
-    words.push_back(line.substr(0, end));
-    line.remove_prefix(end);
-  }
-  return words;
-}
-
-std::optional<Type> type_of(std::string_view word) {
-  static const std::map<std::string_view, Type> types = {
-      {"char", Type::i8},   {"int8", Type::i8},     {"uchar", Type::u8},   {"uint8", Type::u8},
-      {"short", Type::i16}, {"int16", Type::i16},   {"ushort", Type::u16}, {"uint16", Type::u16},
-      {"int", Type::i32},   {"int32", Type::i32},   {"uint", Type::u32},   {"uint32", Type::u32},
-      {"float", Type::f32}, {"float32", Type::f32}, {"double", Type::f64}, {"float64", Type::f64}};
-  const auto found = types.find(word);
-  return found == types.end() ? std::nullopt : std::optional(found->second);
-}
-
 PlyProperty read_property_line(const std::vector<std::string_view>& words, const TextPosition& at) {
   PlyProperty p;
   const bool is_list = words.size() == 5 && words[1] == "list";
-  const auto type = words.size() >= 3 ? type_of(is_list ? words[3] : words[1]) : std::nullopt;
-  const auto count_type = is_list ? type_of(words[2]) : std::optional(Type::u8);
-  if (!type || !count_type || (!is_list && words.size() != 3) || *count_type >= Type::f32)
+  const auto type = words.size() >= 3 ? parse_ply_type(is_list ? words[3] : words[1]) : std::nullopt;
+  const auto count_type = is_list ? parse_ply_type(words[2]) : std::optional(PlyType::u8);
+  if (!type || !count_type || (!is_list && words.size() != 3) || *count_type >= PlyType::f32)
     throw Broken{at, "allowed: property TYPE NAME, property list COUNT_TYPE TYPE NAME"};
   return {std::string(words.back()), *type, is_list, *count_type};
 }
@@ -143,7 +120,7 @@ PlyHeader read_header(const std::string& path, std::string_view bytes) {
   for (std::size_t at = 0; at < bytes.size();) {
     const std::size_t end = std::min(bytes.find('\n', at), bytes.size());
     const TextPosition place{path, ++header.n_lines, 0};
-    const std::vector<std::string_view> words = words_of(bytes.substr(at, end - at));
+    const std::vector<std::string_view> words = split_words(bytes.substr(at, end - at));
     at = end + 1;
     if (header.n_lines == 1) {
       if (words.empty() || words[0] != "ply") throw Broken{place, "not a PLY file: the first line must be \"ply\""};
@@ -186,48 +163,16 @@ void Body::fail(const std::string& what) const {
   throw Broken{{path_, 0, 0}, fmt::format("byte {}: {}", at_, what)};
 }
 
-template <class T>
-double load_number(const char* bytes, bool swap) {
-  char raw[sizeof(T)];
-  std::memcpy(raw, bytes, sizeof(T));
-  if (swap) std::reverse(raw, raw + sizeof(T));
-  T value;
-  std::memcpy(&value, raw, sizeof(T));
-  return static_cast<double>(value);
-}
-
-double load_number(const char* bytes, Type type, bool swap) {
-  switch (type) {
-    case Type::i8:
-      return load_number<std::int8_t>(bytes, swap);
-    case Type::u8:
-      return load_number<std::uint8_t>(bytes, swap);
-    case Type::i16:
-      return load_number<std::int16_t>(bytes, swap);
-    case Type::u16:
-      return load_number<std::uint16_t>(bytes, swap);
-    case Type::i32:
-      return load_number<std::int32_t>(bytes, swap);
-    case Type::u32:
-      return load_number<std::uint32_t>(bytes, swap);
-    case Type::f32:
-      return load_number<float>(bytes, swap);
-    case Type::f64:
-      break;
-  }
-  return load_number<double>(bytes, swap);
-}
-
-double Body::next(Type type) {
+double Body::next(PlyType type) {
   if (encoding_ == Encoding::ascii) return next_word(type);
-  const std::size_t size = kTypeSize[static_cast<std::size_t>(type)];
+  const std::size_t size = size_of(type);
   if (left() < size) fail("the file ends too early");
   const double value = load_number(here(), type, encoding_ == Encoding::big);
   at_ += size;
   return value;
 }
 
-double Body::next_word(Type type) {
+double Body::next_word(PlyType type) {
   while (at_ < bytes_.size() && (bytes_[at_] == ' ' || (bytes_[at_] >= '\t' && bytes_[at_] <= '\r')))
     line_ += bytes_[at_++] == '\n';
   const std::size_t start = at_;
@@ -235,7 +180,7 @@ double Body::next_word(Type type) {
   if (start == at_) fail("the file ends too early");
   const std::string_view word = bytes_.substr(start, at_ - start);
   const auto value = parse_number(word);
-  if (!value || (type < Type::f32 && *value != std::floor(*value)))
+  if (!value || (type < PlyType::f32 && *value != std::floor(*value)))
     fail(fmt::format("\"{}\" is not a finite number", std::string(word.substr(0, 40))));
   return *value;
 }
@@ -257,8 +202,8 @@ void read_vertices(const PlyElement& element, Encoding encoding, Body& body, Mes
   for (const PlyProperty& p : element.properties) {
     target.push_back(p.is_list ? -1 : target_of(p.name));
     if (target.back() >= 0) present |= 1u << target.back();
-    is_plain = is_plain && !p.is_list && p.type == Type::f32;
-    row_size += kTypeSize[static_cast<std::size_t>(p.type)];
+    is_plain = is_plain && !p.is_list && p.type == PlyType::f32;
+    row_size += size_of(p.type);
   }
   if ((present & 7) != 7) body.fail("vertices need the properties x, y, z");
   const bool has_normals = (present & 0x38) == 0x38, has_uvs = (present & 0xc0) == 0xc0;

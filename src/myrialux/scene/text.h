@@ -19,6 +19,8 @@ std::optional<std::int64_t> parse_integer(std::string_view text);
 /// Numbers apart from each other by blanks or commas.
 std::optional<std::vector<double>> parse_numbers(std::string_view text);
 std::string_view trim(std::string_view text);
+/// Words between blanks.
+std::vector<std::string_view> split_words(std::string_view text);
 /// A number as messages show it: shortest form of single precision.
 std::string show(double value);
 
