@@ -1,7 +1,8 @@
 # Two commands do everything: `make demo` renders a real room, `make test` builds and runs all tests.
 # The second run of either does no set-up again.
 JOBS ?= $(shell nproc)
-BUILD = build/release
+PRESET ?= release
+BUILD = build/$(PRESET)
 
 .PHONY: demo build test bench format check setup-build setup-test clean
 
@@ -23,8 +24,8 @@ bench: setup-build $(BUILD)/build.ninja
 format:
 	git ls-files '*.h' '*.cpp' | xargs clang-format -i
 
-$(BUILD)/build.ninja: CMakeLists.txt cmake/folders.txt cmake/folders.cmake cmake/dependencies.cmake CMakePresets.json
-	@cmake --preset release >$(BUILD).log 2>&1 || { mkdir -p build; cmake --preset release; }
+$(BUILD)/build.ninja: CMakeLists.txt cmake/folders.txt cmake/folders.cmake cmake/dependencies.cmake CMakePresets.json | setup-build
+	@cmake --preset $(PRESET) >$(BUILD).log 2>&1 || cmake --preset $(PRESET)
 	@touch $@
 
 setup-build:

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs all tests of a build folder: the fast ones two at a time, then the slow ones one by one (they use all threads).
+# Runs all tests of a build folder: the fast ones side by side, then the slow ones one by one (they use all threads).
 set -eu
 build=$1
 root=$(cd "$(dirname "$0")/.." && pwd)
