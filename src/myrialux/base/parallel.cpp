@@ -1,3 +1,4 @@
+// Counts the threads this process may use, limits TBB to them and sets how they treat denormals.
 #include "myrialux/base/parallel.h"
 
 #include <pmmintrin.h>
@@ -26,11 +27,17 @@ void flush_denormals() {
   _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
 }
 
-/// Lives as long as the process: TBB keeps what it allocates for an observer that comes and goes.
 class FlushObserver : public tbb::task_scheduler_observer {
  public:
   FlushObserver() { observe(true); }
   void on_scheduler_entry(bool) override { flush_denormals(); }
+};
+
+/// Never destroyed: workers may outlive statics, and TBB keeps what it allocates for an observer that comes and goes.
+union ImmortalObserver {
+  ImmortalObserver() : observer() {}
+  ~ImmortalObserver() {}
+  FlushObserver observer;
 };
 
 }  // namespace
@@ -49,14 +56,13 @@ int available_threads() {
 }
 
 struct ThreadScope::State {
+  explicit State(int n_threads)
+      : limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(n_threads)) {}
   tbb::global_control limit;
 };
 
-ThreadScope::ThreadScope(int n_threads)
-    : state_(std::make_unique<State>(
-          tbb::global_control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(n_threads)))) {
-  static FlushObserver* const observer = new FlushObserver();  // not destroyed: workers may outlive statics
-  (void)observer;
+ThreadScope::ThreadScope(int n_threads) : state_(std::make_unique<State>(n_threads)) {
+  [[maybe_unused]] static ImmortalObserver observer;
   flush_denormals();
 }
 ThreadScope::~ThreadScope() = default;

@@ -76,7 +76,7 @@ void read_material(const std::vector<std::string_view>& words, std::string_view 
   if (words.size() < 4 || !number(words[2], entry) || !number(words[3], material))
     fail(place, "a material must be given as \"comment bsdf ENTRY MATERIAL NAME\"");
   std::size_t at = 0;  // the name is the rest of the line, blanks included
-  for (int k = 0; k < 4; ++k) at = line.find_first_of(" ", line.find_first_not_of(" ", at));
+  for (int k = 0; k < 4; ++k) at = line.find(' ', line.find_first_not_of(' ', at));
   const std::string name(at == std::string_view::npos ? "" : line.substr(at + 1));
   if (material >= scene.materials.size() || scene.materials[material].name != name)
     fail(place, "these lights were made for another scene: material " + std::to_string(material) + " is '" + name +
@@ -176,10 +176,10 @@ Header read_header(const std::string& text, const std::string& path, const Scene
 void read_binary(const std::string& text, const std::string& path, const Header& header, auto&& take) {
   std::size_t stride = 0;
   for (const Property& p : header.properties) stride += size_of(p.type);
-  const std::size_t room = (text.size() - header.body) / stride;
-  if (room < header.n_lights)
+  const std::size_t left = text.size() - header.body;
+  if (left < header.n_lights * stride)
     fail(path + ": byte " + std::to_string(text.size()),
-         "the file ends within light " + std::to_string(room) + " of " + std::to_string(header.n_lights));
+         "the file ends within light " + std::to_string(left / stride) + " of " + std::to_string(header.n_lights));
   for (std::size_t j = 0; j < header.n_lights; ++j) {
     const std::size_t begin = header.body + j * stride;
     std::size_t at = begin;

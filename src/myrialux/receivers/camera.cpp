@@ -27,14 +27,16 @@ Vec2 film_position(int width, std::uint64_t pixel, int k, int spp, RandomKey key
   const std::uint32_t shift = Rng(key, Stage::film, pixel).below(static_cast<std::uint32_t>(spp));
   const auto cell = static_cast<int>((static_cast<std::uint64_t>(k) + shift) % n);
   Rng rng(key, Stage::camera, pixel * n + static_cast<std::uint64_t>(k));
+  const int column = cell % columns, row = cell / columns;
   const auto x = static_cast<float>(pixel % static_cast<std::uint64_t>(width));
-  const auto y = static_cast<float>(pixel / static_cast<std::uint64_t>(width));
+  const std::uint64_t line = pixel / static_cast<std::uint64_t>(width);
+  const auto y = static_cast<float>(line);
   // Rounding must not carry a sample into the next pixel.
   const auto inside = [](float base, float fraction) {
     return std::min(base + fraction, std::nextafter(base + 1, base));
   };
-  return {inside(x, (static_cast<float>(cell % columns) + rng.next()) / static_cast<float>(columns)),
-          inside(y, (static_cast<float>(cell / columns) + rng.next()) / static_cast<float>(rows))};
+  return {inside(x, (static_cast<float>(column) + rng.next()) / static_cast<float>(columns)),
+          inside(y, (static_cast<float>(row) + rng.next()) / static_cast<float>(rows))};
 }
 
 }  // namespace myrialux

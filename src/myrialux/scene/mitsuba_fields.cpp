@@ -92,7 +92,7 @@ std::string Fields::text(const std::string& name, const std::string& missing) {
 
 std::string Fields::choice(const std::string& name, const std::string& missing,
                            const std::vector<std::string>& allowed) {
-  const std::string value = text(name, missing);
+  std::string value = text(name, missing);
   if (std::find(allowed.begin(), allowed.end(), value) != allowed.end()) return value;
   error(name, fmt::format("\"{}\" is \"{}\"{}; allowed: {}", property(name)->spelled, value, suggestion(value, allowed),
                           fmt::join(allowed, ", ")));

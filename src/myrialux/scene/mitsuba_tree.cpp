@@ -80,10 +80,10 @@ Tree read_tree(const std::string& path, const LoadOptions& options, Diagnostics&
 }
 
 std::filesystem::path resolve(const Tree& tree, const std::filesystem::path& folder, const std::string& name) {
-  const std::filesystem::path file(name);
+  std::filesystem::path file(name);
   if (file.is_absolute()) return file;
   std::error_code code;
-  const std::filesystem::path beside = folder / file;
+  std::filesystem::path beside = folder / file;
   if (std::filesystem::exists(beside, code)) return beside;
   for (const std::filesystem::path& path : tree.search_paths)
     if (std::filesystem::exists(path / file, code)) return path / file;
