@@ -73,7 +73,7 @@ TEST(Bsdf, SharpMeansDeltaOrNarrow) {
     const bool gloss = kind != BsdfKind::diffuse, delta = gloss && !is_rough(kind);
     for (const float limit : {0.0f, 0.1f, 0.5f, 1.0f}) {
       const Bsdf bsdf = c.bsdf(limit);
-      const bool sharp = delta || (gloss && c.params.alpha <= limit);
+      const bool sharp = delta || (gloss && c.params.alpha < limit);
       const bool diffuse = kind == BsdfKind::diffuse || kind == BsdfKind::plastic || kind == BsdfKind::rough_plastic;
       EXPECT_EQ(has_lobes(bsdf, Lobes::sharp), sharp) << c.name;
       EXPECT_EQ(has_lobes(bsdf, Lobes::wide), diffuse || (gloss && !sharp)) << c.name;

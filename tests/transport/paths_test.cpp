@@ -43,7 +43,7 @@ TEST(Paths, FurnaceInsideSphereGivesTheGeometricSeries) {
     double expected = 0;
     for (int k = 0; k < max_depth; ++k) expected += std::pow(static_cast<double>(albedo), k);
     const Sample measured = mean_radiance(t.world, 1, 60);
-    if (max_depth <= 2)  // every sample is exact but for rounding
+    if (max_depth <= t.world.rr_depth)  // no roulette yet: every sample is exact but for rounding
       EXPECT_NEAR(measured.mean, expected, 1e-5);
     else
       EXPECT_LT(std::fabs(z_score(measured, expected)), 4) << "depth " << max_depth << ": " << measured.mean;

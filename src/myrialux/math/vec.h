@@ -58,7 +58,7 @@ inline Rgb& operator*=(Rgb& a, Rgb b) { return a = a * b; }
 inline Rgb& operator*=(Rgb& a, float s) { return a = a * s; }
 inline float luminance(Rgb c) { return 0.212671f * c.r + 0.715160f * c.g + 0.072169f * c.b; }
 inline float max_component(Rgb c) { return std::max({c.r, c.g, c.b}); }
-inline float mean(Rgb c) { return (c.r + c.g + c.b) * (1.0f / 3); }
+inline float mean(Rgb c) { return (c.r + c.g + c.b) / 3; }
 inline bool is_black(Rgb c) { return c.r == 0 && c.g == 0 && c.b == 0; }
 inline bool is_finite(Rgb c) { return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b); }
 

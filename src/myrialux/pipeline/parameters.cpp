@@ -93,7 +93,7 @@ const std::vector<Key>& keys() {
           "direct.samples", 1, 4096, "emitter samples a receiver where direct light is sampled",
           [](P & p) -> auto& { return p.direct_samples; }),
       number_key(
-          "sharp_alpha", 0, 1, "roughness up to which gloss is followed by rays instead of joined to lights",
+          "sharp_alpha", 0, 1, "roughness below which gloss is followed by rays instead of joined to lights",
           [](P & p) -> auto& { return p.sharp_alpha; }),
   };
   return table;
@@ -114,10 +114,12 @@ void apply_extra(const std::map<std::string, std::string>& extra, TunedParams& p
   params.method.tree.normal_weight = params.method.slices.normal_weight;
 }
 
-std::vector<ParameterInfo> parameter_table() {
-  std::vector<ParameterInfo> table;
-  for (const Key& k : keys()) table.push_back({k.name, k.get(TunedParams{}), k.meaning});
-  return table;
+std::vector<ParameterInfo> parameter_values(const TunedParams& params) {
+  std::vector<ParameterInfo> values;
+  for (const Key& k : keys()) values.push_back({k.name, k.get(params), k.meaning});
+  return values;
 }
+
+std::vector<ParameterInfo> parameter_table() { return parameter_values({}); }
 
 }  // namespace myrialux

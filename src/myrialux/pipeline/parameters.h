@@ -15,4 +15,7 @@ struct TunedParams {
 /// Applies all of RenderParams::extra. @throws Error (usage) for an unknown key (naming the nearest) or a bad value.
 void apply_extra(const std::map<std::string, std::string>& extra, TunedParams& params);
 
+/// Every -D key with the value it has in `params`.
+std::vector<ParameterInfo> parameter_values(const TunedParams& params);
+
 }  // namespace myrialux

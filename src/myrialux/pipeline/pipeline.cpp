@@ -2,6 +2,7 @@
 #include "myrialux/pipeline/pipeline.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -246,7 +247,11 @@ Metadata describe(const Scene& scene, const Settings& settings, const RenderStat
   m["myrialux.seed"] = std::to_string(p.seed);
   m["myrialux.passes"] = std::to_string(p.passes);
   m["myrialux.max_depth"] = std::to_string(settings.max_depth);
-  m["myrialux.sharp_alpha"] = fmt::format("{}", settings.tuned.sharp_alpha);
+  constexpr const char* kFilters[] = {"box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"};
+  m["myrialux.filter"] =
+      fmt::format("{} {}", kFilters[static_cast<std::size_t>(settings.filter.kind)], settings.filter.radius);
+  m["myrialux.camera_to_world"] = fmt::format("{}", fmt::join(scene.camera.to_world.rows(), " "));
+  m["myrialux.fov_x_deg"] = fmt::format("{}", scene.camera.fov_x_deg);
   if (p.method != "path") {
     m["myrialux.vpls"] = std::to_string(p.n_lights);
     m["myrialux.clusters"] = std::to_string(p.n_clusters);
@@ -258,7 +263,7 @@ Metadata describe(const Scene& scene, const Settings& settings, const RenderStat
       m["myrialux.entries_sampled_fraction"] =
           fmt::format("{:.6f}", double(stats.visibility.traced) / double(stats.visibility.entries));
   }
-  for (const auto& [key, value] : p.extra) m["myrialux." + key] = value;
+  for (const ParameterInfo& key : parameter_values(settings.tuned)) m["myrialux." + key.key] = key.value;
   return m;
 }
 

@@ -27,7 +27,7 @@ Bsdf make_bsdf(const Material& material, const BsdfParams& params, float sharp_a
   bsdf.nonlinear = material.nonlinear;
   bsdf.two_sided = material.two_sided;
   bsdf.alpha = std::max(params.alpha, kMinAlpha);
-  bsdf.sharp_gloss = is_delta_kind(bsdf.kind) || (bsdf.kind != BsdfKind::diffuse && params.alpha <= sharp_alpha);
+  bsdf.sharp_gloss = is_delta_kind(bsdf.kind) || (bsdf.kind != BsdfKind::diffuse && params.alpha < sharp_alpha);
   bsdf.eta = material.eta;
   bsdf.specular = params.specular;
   switch (model_of(bsdf.kind)) {

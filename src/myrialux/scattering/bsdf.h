@@ -10,11 +10,11 @@
 
 namespace myrialux {
 
-/// Which parts of a BSDF take part. Sharp: delta, or rougher than a mirror by at most `sharp_alpha`: followed by
+/// Which parts of a BSDF take part. Sharp: delta, or of a roughness below `sharp_alpha`: followed by
 /// rays, never joined to virtual lights. Wide: everything else, which virtual lights and receivers use.
 enum class Lobes : std::uint8_t { wide = 1, sharp = 2, all = 3 };
 
-/// Roughness up to which a glossy lobe counts as sharp. Part of the method's parameters; same for lights and receivers.
+/// Roughness below which a glossy lobe counts as sharp. Part of the method's parameters; same for lights and receivers.
 inline constexpr float kDefaultSharpAlpha = 0.1f;
 
 /// What a virtual light or receiver keeps of its BSDF: textures are looked up, the rest stays in the material.
@@ -30,7 +30,7 @@ struct Bsdf {
   BsdfKind kind = BsdfKind::diffuse;
   Microfacets distribution = Microfacets::ggx;
   bool nonlinear = false, two_sided = false;
-  bool sharp_gloss = false;                         ///< the glossy lobe is delta or alpha <= sharp_alpha
+  bool sharp_gloss = false;                         ///< the glossy lobe is delta or alpha < sharp_alpha
   float alpha = 0, eta = 1;                         ///< eta: interior / exterior
   float inverse_eta_squared = 1, fdr_internal = 0;  ///< plastic: diffuse Fresnel reflectance from inside
   float specular_weight = 0;                 ///< probability of sampling the glossy lobe before Fresnel (plastic)
@@ -39,7 +39,7 @@ struct Bsdf {
   Rgb reflectance, specular, transmittance, eta_metal, k_metal;
 };
 
-/// @param params from resolve(); @param sharp_alpha roughness up to which gloss counts as sharp
+/// @param params from resolve(); @param sharp_alpha roughness below which gloss counts as sharp
 Bsdf make_bsdf(const Material& material, const BsdfParams& params, float sharp_alpha);
 
 /// Looks up all textures at uv. `front`: wo is on the side of the geometric normal.
