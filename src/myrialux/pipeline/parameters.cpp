@@ -23,8 +23,8 @@ struct Key {
 }
 
 /// @param member picks the float that the key sets; [low, high] is what it may be
-Key number_key(std::string name, float low, float high, std::string meaning,
-               std::function<float&(TunedParams&)> member) {
+Key number_key(const std::string& name, float low, float high, std::string meaning,
+               const std::function<float&(TunedParams&)>& member) {
   const auto set = [=](TunedParams& p, const std::string& text) {
     float value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -36,8 +36,8 @@ Key number_key(std::string name, float low, float high, std::string meaning,
   return {name, std::move(meaning), get, set};
 }
 
-Key count_key(std::string name, std::uint32_t low, std::uint32_t high, std::string meaning,
-              std::function<std::uint32_t&(TunedParams&)> member) {
+Key count_key(const std::string& name, std::uint32_t low, std::uint32_t high, std::string meaning,
+              const std::function<std::uint32_t&(TunedParams&)>& member) {
   const auto set = [=](TunedParams& p, const std::string& text) {
     std::uint32_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -49,7 +49,7 @@ Key count_key(std::string name, std::uint32_t low, std::uint32_t high, std::stri
   return {name, std::move(meaning), get, set};
 }
 
-Key switch_key(std::string name, std::string meaning, std::function<bool&(TunedParams&)> member) {
+Key switch_key(const std::string& name, std::string meaning, const std::function<bool&(TunedParams&)>& member) {
   const auto set = [=](TunedParams& p, const std::string& text) {
     if (text != "true" && text != "false") refuse(name, text, "true or false");
     member(p) = text == "true";
@@ -103,7 +103,7 @@ const std::vector<Key>& keys() {
 
 void apply_extra(const std::map<std::string, std::string>& extra, TunedParams& params) {
   for (const auto& [name, text] : extra) {
-    const auto it = std::find_if(keys().begin(), keys().end(), [&](const Key& k) { return k.name == name; });
+    const auto it = std::find_if(keys().begin(), keys().end(), [&key = name](const Key& k) { return k.name == key; });
     if (it == keys().end()) {
       std::vector<std::string> names;
       for (const Key& k : keys()) names.push_back(k.name);
