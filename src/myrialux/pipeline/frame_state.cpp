@@ -33,12 +33,20 @@ void FrameState::add_pass(const CameraSamples& samples, const Receivers& receive
       4096);
   if (method.slice.empty()) return;
   has_slices_ = true;
-  for (std::size_t i = 0; i < receivers.size(); ++i) {
-    PixelSums& pixel = pixels_[receivers.sample[i] / spp];
-    if (pixel.slice < 0) pixel.slice = static_cast<float>(method.slice[i]);
-    pixel.cut += method.cut_size[i], pixel.visibility += method.visibility_fraction[i];
-    ++pixel.n_receivers;
-  }
+  // Receivers are ordered by camera sample, so those of a run of pixels lie together.
+  constexpr std::size_t kPixels = 4096;
+  parallel_for((pixels_.size() + kPixels - 1) / kPixels, [&](std::size_t block) {
+    const auto first_of = [&](std::size_t pixel) {
+      return std::lower_bound(receivers.sample.begin(), receivers.sample.end(), pixel * spp) - receivers.sample.begin();
+    };
+    const auto end = static_cast<std::size_t>(first_of((block + 1) * kPixels));
+    for (auto i = static_cast<std::size_t>(first_of(block * kPixels)); i < end; ++i) {
+      PixelSums& pixel = pixels_[receivers.sample[i] / spp];
+      if (pixel.slice < 0) pixel.slice = static_cast<float>(method.slice[i]);
+      pixel.cut += method.cut_size[i], pixel.visibility += method.visibility_fraction[i];
+      ++pixel.n_receivers;
+    }
+  });
 }
 
 Picture FrameState::picture(const std::vector<std::string>& aovs) const {
@@ -48,7 +56,8 @@ Picture FrameState::picture(const std::vector<std::string>& aovs) const {
   const auto add = [&](const std::string& name, std::vector<std::string> channels, auto&& fill) {
     const std::size_t n = channels.size();
     Picture::Layer& layer = picture.add_layer(name, std::move(channels));
-    for (std::size_t i = 0; i < pixels_.size(); ++i) fill(i, pixels_[i], layer.pixels.data() + n * i);
+    parallel_for(
+        pixels_.size(), [&](std::size_t i) { fill(i, pixels_[i], layer.pixels.data() + n * i); }, 4096);
   };
   const auto wanted = [&](const char* name) {
     return aovs.empty() || std::find(aovs.begin(), aovs.end(), name) != aovs.end();

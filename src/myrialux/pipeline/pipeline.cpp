@@ -194,8 +194,9 @@ void render_pass(const World& world, const Settings& settings, int pass, FrameSt
 
   // Camera samples: what was seen directly, plus the receiver's light.
   std::vector<Rgb> radiance = std::move(rows.samples.emission);
-  for (std::size_t i = 0; i < receivers.size(); ++i)
-    radiance[receivers.sample[i]] += receivers.beta[i] * result.radiance[i];
+  parallel_for(
+      receivers.size(), [&](std::size_t i) { radiance[receivers.sample[i]] += receivers.beta[i] * result.radiance[i]; },
+      4096);
   frame.add_pass(rows.samples, receivers, radiance, result);
   stats.time_s["film"] += wall.lap();
   ++stats.passes;
