@@ -1,3 +1,4 @@
+// Meshes: files of every format read back, normals, winding and what is dropped.
 #include "myrialux/scene/mesh.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// Textures against hand values: texel grid, wrapping, filtering, colour curves.
 #include "myrialux/scene/texture.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// Text of error messages and the collector that lists them.
 #include "myrialux/base/error.h"
 
 #include <algorithm>

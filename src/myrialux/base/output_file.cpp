@@ -1,3 +1,4 @@
+// Files that appear whole under their final name, or not at all.
 #include "myrialux/base/output_file.h"
 
 #include <fcntl.h>

@@ -1,3 +1,4 @@
+// Finds the allowed name nearest to a misspelt one.
 #include "myrialux/base/suggest.h"
 
 #include <algorithm>

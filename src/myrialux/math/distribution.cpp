@@ -1,3 +1,4 @@
+// Cumulative sums and their inversion, in one and two dimensions.
 #include "myrialux/math/distribution.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// Weights of the reconstruction filters.
 #include "myrialux/math/filter.h"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// Composes, inverts and applies affine maps in double precision.
 #include "myrialux/math/transform.h"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// Cuts, traces, completes and shades one slice after another, and adds up what they report.
 #include "myrialux/methods/slice_driver.h"
 
 #include <algorithm>
