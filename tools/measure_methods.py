@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Measures the methods against each other on scenes; prints Markdown tables (docs/measurements.md holds a run's figures).
 
-    measure_methods.py PROGRAM completion SCENE.xml...   bamc against slice-lightcuts with the same cuts
+    measure_methods.py PROGRAM completion SCENE.xml... [--seed N] [-- -D bamc.alpha=0.05 ...]
+                                                         bamc (with these options) against slice-lightcuts, same cuts
     measure_methods.py PROGRAM clusters SCENE.xml...     both against brute-force on the same lights, by --clusters
 
 Only light from virtual lights counts (--direct vpl --residual off), so that a difference is the method's alone.
@@ -10,6 +11,7 @@ import argparse
 import json
 import pathlib
 import subprocess
+import sys
 import tempfile
 
 import numpy as np
@@ -31,20 +33,24 @@ def luminance(pixels):
     return pixels @ np.array([0.212671, 0.715160, 0.072169])
 
 
-def relative_rmse(reference, picture):
+def relative_rmse(reference, picture, n_left_out=0):
+    """Over the mean of the reference; without the n_left_out worst pixels."""
     reference, picture = luminance(reference), luminance(picture)
-    return float(np.sqrt(np.mean((picture - reference) ** 2)) / reference.mean())
+    squares = np.sort(((picture - reference) ** 2).ravel())
+    return float(np.sqrt(squares[:squares.size - n_left_out].mean()) / reference.mean())
 
 
 def completion(args, folder):
-    print("| scene | traced % of active | relative RMSE % | shadow rays/s, full (M) | visibility + complete s, full | bamc |")
-    print("|---|---|---|---|---|---|")
+    print("| scene | traced % of active | relative RMSE % | without 10 worst pixels | without 0.1 % | "
+          "shadow rays/s, full (M) | visibility + complete s, full | bamc |")
+    print("|---|---|---|---|---|---|---|---|")
     for scene in args.scenes:
-        common = ["--size", args.size, "--spp", 4, "--vpls", args.vpls, "--clusters", args.clusters]
+        common = ["--size", args.size, "--spp", 4, "--vpls", args.vpls, "--clusters", args.clusters, "--seed", args.seed]
         full, full_stats = render(args.program, scene, "slice-lightcuts", folder, *common)
-        bamc, stats = render(args.program, scene, "bamc", folder, *common)
+        bamc, stats = render(args.program, scene, "bamc", folder, *common, *args.extra)
+        errors = [relative_rmse(full, bamc, n) for n in (0, 10, luminance(full).size // 1000)]
         v, t, tf = stats["visibility"], stats["time_s"], full_stats["time_s"]
-        print(f"| {scene.parent.name} | {100 * v['fraction']:.1f} | {100 * relative_rmse(full, bamc):.2f} | "
+        print(f"| {scene.parent.name} | {100 * v['fraction']:.1f} | {' | '.join(f'{100 * e:.2f}' for e in errors)} | "
               f"{full_stats['rays']['shadow'] / tf['visibility'] / 1e6:.1f} | {tf['visibility'] + tf['complete']:.2f} | "
               f"{t['visibility'] + t['complete']:.2f} |", flush=True)
 
@@ -62,6 +68,12 @@ def clusters(args, folder):
             print(f"| {scene.parent.name} | {method} | " + " | ".join(f"{100 * e:.2f} %" for e in errors) + " |", flush=True)
 
 
+def split_at_dashes(arguments):
+    """What stands before and after "--"."""
+    at = arguments.index("--") if "--" in arguments else len(arguments)
+    return arguments[:at], arguments[at + 1:]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
@@ -70,7 +82,10 @@ def main():
     parser.add_argument("--size", default="640x360")
     parser.add_argument("--vpls", type=int, default=100000)
     parser.add_argument("--clusters", type=int, default=1000)
-    args = parser.parse_args()
+    parser.add_argument("--seed", type=int, default=0)
+    own, extra = split_at_dashes(sys.argv[1:])
+    args = parser.parse_args(own)
+    args.extra = extra
     with tempfile.TemporaryDirectory() as name:
         {"completion": completion, "clusters": clusters}[args.what](args, pathlib.Path(name))
 
