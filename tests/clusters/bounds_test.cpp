@@ -151,6 +151,13 @@ TEST(CutBounds, HaveTheSameBitsInAllInstructionSets) {
       force_isa(isa);
       bound_clusters(points, clusters, vectors);
       EXPECT_EQ(vectors, plain) << isa_name(isa) << ' ' << n_points;
+      std::vector<float> groups(points.groups.size()), plain_groups(groups.size());
+      for (std::size_t n = 0; n < clusters.size(); n += 7) {
+        bound_groups(points, clusters[n], groups);
+        bound_groups_plain(points, clusters[n], plain_groups);
+        EXPECT_EQ(groups, plain_groups) << isa_name(isa) << ' ' << n_points << " node " << n;
+        EXPECT_EQ(*std::max_element(groups.begin(), groups.end()), plain[n]);
+      }
     }
     force_isa(0);
   }

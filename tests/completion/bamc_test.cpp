@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "myrialux/base/error.h"
 #include "support/logging_entries.h"
@@ -247,6 +248,53 @@ TEST(Bamc, GroupsShareNoColumns) {
   LoggingEntries one = all_active(truth), two = all_active(truth, {40, 80});
   EXPECT_EQ(complete(one).stats.full_columns, 3u);
   EXPECT_EQ(complete(two).stats.full_columns, 6u) << "columns of the first group are not matched in the second";
+}
+
+/// Every seventh active entry must be traced, and all of the first 40 rows of column 3.
+class DemandingEntries : public LoggingEntries {
+ public:
+  explicit DemandingEntries(const KnownEntries& known) : LoggingEntries(known), required_(n_rows(), n_columns()) {
+    for (std::size_t j = 0; j < n_columns(); ++j)
+      for (std::size_t i = 0; i < n_rows(); ++i)
+        if (test_bit(active(j), i) && ((i + 3 * j) % 7 == 0 || (j == 3 && i < 40))) required_.set(i, j);
+  }
+  Words required(std::size_t j) const override { return std::as_const(required_).column(j); }
+  const BitMatrix& required_matrix() const { return required_; }
+
+ private:
+  BitMatrix required_;
+};
+
+TEST(Bamc, RequiredEntriesAreTracedFirstAndOnce) {
+  Rng rng({12}, Stage::test, 0);
+  DemandingEntries source(bumpy(two_discs()).entries(rng));
+  const Completed c = complete(source);
+  expect_sound(source, c);
+  for (std::size_t j = 0; j < source.n_columns(); ++j) {
+    const auto calls = source.calls_of(j);
+    if (count_bits(source.required(j)) == 0) continue;
+    ASSERT_FALSE(calls.empty());
+    EXPECT_TRUE(std::equal(calls[0].wanted.begin(), calls[0].wanted.end(), source.required(j).begin())) << j;
+  }
+  EXPECT_LT(c.stats.traced, c.stats.entries);
+}
+
+TEST(Bamc, ARequiredEntryThatDisagreesForbidsTheCopy) {
+  // Two columns equal but for row 500, which one sample in forty would see: required, it is always right.
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    BitMatrix truth(1024, 2);
+    for (std::size_t i = 0; i < 512; ++i) truth.set(i, 0), truth.set(i, 1);
+    clear_bit(truth.column(1), 500);
+    class Entries : public KnownEntries {
+     public:
+      explicit Entries(const BitMatrix& t) : KnownEntries(t, all_ones(1024, 2)), row_(16) { set_bit(row_, 500); }
+      Words required(std::size_t) const override { return row_; }
+
+     private:
+      std::vector<std::uint64_t> row_;
+    } source(truth);
+    EXPECT_EQ(complete(source, {}, seed).visible, truth);
+  }
 }
 
 TEST(Bamc, MatricesWithoutRowsOrColumnsAreFine) {

@@ -84,6 +84,27 @@ TEST(SliceMethods, CompletionStaysNearFullVisibilityWithFewerRays) {
   EXPECT_EQ(stats.rays.shadow, stats.visibility.traced);
 }
 
+TEST(SliceMethods, GuardedCompletionErrsLessAndCountsItsWrongBits) {
+  // 37 slices; few samples, so that many bits are guessed wrongly.
+  Fixture f(test::cornell_box(), 20000, 192);
+  f.params.cut.n_clusters = 300;
+  f.params.bamc.alpha = f.params.bamc.beta = f.params.bamc.omega = 0.004f;
+  const std::vector<Rgb> full = f.run("slice-lightcuts").radiance;
+  RenderStats published, guarded;
+  f.params.bamc_guard = 0;
+  const double published_error = relative_rmse(full, f.run("bamc", published).radiance);
+  f.params.bamc_guard = 0.005f;
+  const double guarded_error = relative_rmse(full, f.run("bamc", guarded).radiance);
+  EXPECT_LT(guarded_error, 0.5 * published_error);
+  EXPECT_LT(guarded.visibility.traced, guarded.visibility.entries / 2);
+
+  EXPECT_EQ(published.visibility.checked, 0u);
+  EXPECT_GT(guarded.visibility.checked, 0u);
+  EXPECT_LT(guarded.visibility.checked, guarded.visibility.entries / 20);
+  EXPECT_GT(guarded.visibility.false_visible + guarded.visibility.false_occluded, 0u);
+  EXPECT_LT(guarded.visibility.false_visible + guarded.visibility.false_occluded, guarded.visibility.checked / 20);
+}
+
 TEST(SliceMethods, PublishedFormTracesZeroTransferToo) {
   Fixture f(test::cornell_box(), 2000, 40);
   f.params.cut.n_clusters = 200;

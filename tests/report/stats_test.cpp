@@ -59,6 +59,15 @@ TEST(Stats, ValuesAreThoseCounted) {
   EXPECT_EQ(j["time_s"]["build"], 0.5);
 }
 
+TEST(Stats, WrongBitsAreSharesOfTheCheckedEntries) {
+  RenderStats s;
+  s.visibility.entries = 1000, s.visibility.checked = 200;
+  s.visibility.false_visible = 1, s.visibility.false_occluded = 3;
+  const ordered_json j = ordered_json::parse(to_json(s));
+  EXPECT_EQ(j["visibility"]["false_visible_estimate"], 0.005);
+  EXPECT_EQ(j["visibility"]["false_occluded_estimate"], 0.015);
+}
+
 TEST(Stats, WhatWasNotMeasuredIsNull) {
   RenderStats s;
   s.clamped_energy_fraction = std::numeric_limits<double>::quiet_NaN();

@@ -75,6 +75,29 @@ CutCluster make_cut_cluster(const LightTree& tree, std::uint32_t index) {
   return c;
 }
 
+CutCluster make_light_cluster(const World& world, const VirtualLights& lights, LightId light, float importance,
+                              float weight) {
+  const std::size_t j = index(light);
+  const LightKind kind = lights.kind[j];
+  const bool glossy = kind == LightKind::glossy;
+  CutCluster c{};
+  c.distant = kind == LightKind::directional;
+  const Vec3 at = c.distant ? -lights.n[j] : lights.p[j];
+  for (int a = 0; a < 3; ++a) c.lower[a] = c.upper[a] = at[a];
+  c.diffuse = weight * importance;
+  c.has_cone = kind == LightKind::oriented || glossy;
+  if (!c.has_cone) return c;
+  c.back = back_frame(glossy ? lights.ng[j] : lights.n[j]);
+  c.cone_cos = 1;
+  if (!glossy) return c;
+  const GlossyNode bounds = glossy_bounds(world, lights, light);
+  c.diffuse = weight * bounds.diffuse, c.gloss = weight * bounds.gloss, c.any = weight * bounds.any;
+  c.mirror_back = back_frame(bounds.mirror_axis);
+  c.mirror_cos = bounds.mirror_cos, c.mirror_sin = sine(bounds.mirror_cos);
+  c.inverse_alpha2 = 1 / (bounds.alpha * bounds.alpha);
+  return c;
+}
+
 float cluster_bound(const World& world, const Receivers& receivers, ReceiverId i, const LightTree& tree,
                     std::uint32_t node, float clamp_distance) {
   const CutPoints points = make_cut_points(world, receivers, std::span(&i, 1), clamp_distance);

@@ -15,4 +15,8 @@ CutPoints make_cut_points(const World& world, const Receivers& receivers, std::s
 
 CutCluster make_cut_cluster(const LightTree& tree, std::uint32_t node);
 
+/// One light times `weight` as a cluster of its own: bounds of a column's entries rather than of its cluster's.
+CutCluster make_light_cluster(const World& world, const VirtualLights& lights, LightId light, float importance,
+                              float weight);
+
 }  // namespace myrialux

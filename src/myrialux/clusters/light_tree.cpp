@@ -38,7 +38,6 @@ class Builder {
 
  private:
   void make_leaf(std::uint32_t node, std::uint32_t light) const;
-  GlossyNode glossy_leaf(std::uint32_t light) const;
   void join_children(std::uint32_t node) const;
   GlossyNode& glossy(std::uint32_t node) const { return tree_.glossy[node - tree_.first_glossy]; }
 
@@ -85,6 +84,24 @@ LightTree build_light_tree(const World& world, const VirtualLights& lights, floa
     first += static_cast<std::uint32_t>(points[k].size());
   }
   return tree;
+}
+
+GlossyNode glossy_bounds(const World& world, const VirtualLights& lights, LightId light) {
+  const std::size_t j = index(light);
+  const VirtualLights::Glossy& g = lights.glossy[lights.extra[j]];
+  const Vec3 n = lights.n[j];
+  const Bsdf bsdf = make_bsdf(world.scene.materials[index(g.bsdf.material)], g.bsdf, world.sharp_alpha);
+  const LobeBounds bounds = lobe_bounds(bsdf, Frame(n).to_local(g.wi));
+  const Rgb power = lights.light[j];
+  const float lobe = geometric_cosine_factor(bounds, length(cross(n, lights.ng[j])));
+  GlossyNode node;
+  node.mirror_axis = normalize(n * (2 * dot(n, g.wi)) - g.wi);
+  node.mirror_cos = bounds.alpha <= kLargestShapedAlpha ? 1.0f : -1.0f;
+  node.diffuse = luminance(power * bounds.diffuse);
+  node.gloss = luminance(power * peak_gloss(bounds)) * lobe;
+  node.any = luminance(power * bounds.any) * lobe;
+  node.alpha = std::min(bounds.alpha, kLargestShapedAlpha);
+  return node;
 }
 
 namespace {
@@ -166,24 +183,7 @@ void Builder::make_leaf(std::uint32_t index, std::uint32_t light) const {
   node.importance = tree_.importance[light];
   node.representative = static_cast<LightId>(light);
   tree_.order[node.first] = static_cast<LightId>(light);
-  if (node.kind == LightKind::glossy) glossy(index) = glossy_leaf(light);
-}
-
-GlossyNode Builder::glossy_leaf(std::uint32_t light) const {
-  const VirtualLights::Glossy& g = lights_.glossy[lights_.extra[light]];
-  const Vec3 n = lights_.n[light];
-  const Bsdf bsdf = make_bsdf(world_.scene.materials[index(g.bsdf.material)], g.bsdf, world_.sharp_alpha);
-  const LobeBounds bounds = lobe_bounds(bsdf, Frame(n).to_local(g.wi));
-  const Rgb power = lights_.light[light];
-  const float lobe = geometric_cosine_factor(bounds, length(cross(n, lights_.ng[light])));
-  GlossyNode node;
-  node.mirror_axis = normalize(n * (2 * dot(n, g.wi)) - g.wi);
-  node.mirror_cos = bounds.alpha <= kLargestShapedAlpha ? 1.0f : -1.0f;
-  node.diffuse = luminance(power * bounds.diffuse);
-  node.gloss = luminance(power * peak_gloss(bounds)) * lobe;
-  node.any = luminance(power * bounds.any) * lobe;
-  node.alpha = std::min(bounds.alpha, kLargestShapedAlpha);
-  return node;
+  if (node.kind == LightKind::glossy) glossy(index) = glossy_bounds(world_, lights_, static_cast<LightId>(light));
 }
 
 void Builder::join_children(std::uint32_t index) const {

@@ -30,6 +30,9 @@ struct GlossyNode {
   float alpha = 0;  ///< largest roughness below
 };
 
+/// Of one glossy light.
+GlossyNode glossy_bounds(const World& world, const VirtualLights& lights, LightId light);
+
 /// One binary tree a kind of light; roots listed. Leaves hold exactly one light.
 struct LightTree {
   std::vector<LightNode> nodes;

@@ -35,6 +35,7 @@ class Bamc {
   void complete_column(std::size_t j);
   void sample(std::size_t j, std::size_t n_active);
   bool copy_verified(std::size_t j, std::size_t n_active, BasisMatch match);
+  void trace_required(std::size_t j);
   void trace_rest(std::size_t j);
   void trace_wanted(std::size_t j);
   void learn(std::size_t j);
@@ -54,7 +55,7 @@ class Bamc {
   std::vector<std::uint64_t> traced_;      ///< rows whose bit is true
   std::vector<std::uint64_t> wanted_;      ///< rows to trace next
   std::vector<std::uint64_t> omega_, pi_;  ///< sampled and verified rows
-  std::vector<std::uint64_t> checkable_;   ///< rows that a copy would set and no ray has
+  std::vector<std::uint64_t> checkable_;   ///< rows to draw from
 };
 
 /// ceil(share * n), at most n; in single precision, so that 0.025 of 1000 rows is 25.
@@ -79,6 +80,7 @@ void Bamc::complete_column(std::size_t j) {
   if (n_active == 0) return;
   stats_.entries += n_active;
   std::fill(traced_.begin(), traced_.end(), 0);
+  trace_required(j);
 
   // Nothing to gain where samples and verification would cost as much as the column.
   if (n_active <= kTracedWhole || share_of(alpha_, n_active) + share_of(params_.beta, n_active) >= n_active)
@@ -100,16 +102,19 @@ void Bamc::complete_column(std::size_t j) {
   learn(j);
 }
 
-/// Draws Omega and traces it.
+/// Draws Omega among the rows not traced yet and traces it; required rows count as samples, too.
 void Bamc::sample(std::size_t j, std::size_t n_active) {
   std::fill(omega_.begin(), omega_.end(), 0);
   const std::size_t n_samples = share_of(alpha_, n_active);
+  const Words active = source_.active(j);
+  for (std::size_t w = 0; w < active.size(); ++w) checkable_[w] = active[w] & ~traced_[w];
   if (params_.importance)
-    distribution_.draw(n_samples, source_.active(j), rng_, omega_);
+    distribution_.draw(n_samples, checkable_, rng_, omega_);
   else
-    distribution_.draw_uniform(n_samples, source_.active(j), rng_, omega_);
+    distribution_.draw_uniform(n_samples, checkable_, rng_, omega_);
   wanted_ = omega_;
   trace_wanted(j);
+  omega_ = traced_;
 }
 
 /// Algorithm 4: compares the match with fresh samples Pi. If they agree, the column becomes the match. Rows that the
@@ -132,6 +137,13 @@ bool Bamc::copy_verified(std::size_t j, std::size_t n_active, BasisMatch match) 
   }
   ++stats_.verified_columns;
   return true;
+}
+
+void Bamc::trace_required(std::size_t j) {
+  const Words required = source_.required(j);
+  if (required.empty()) return;
+  std::copy(required.begin(), required.end(), wanted_.begin());
+  trace_wanted(j);
 }
 
 /// Traces what is not traced yet.

@@ -111,20 +111,28 @@ HWY_INLINE V light_bound(const CutCluster& c, const Relative& r) {
   return hn::Add(hn::Add(bound, gloss), set(c.any));
 }
 
-void bound_clusters(const CutPoints& points, std::span<const CutCluster> clusters, std::span<float> bounds) {
-  const Tag d;
-  for (std::size_t n = 0; n < clusters.size(); ++n) {
-    const CutCluster& c = clusters[n];
-    V largest = set(0);
-    for (const CutPoints::Group& g : points.groups)
-      for (std::size_t k = 0; k < kCutLanes; k += hn::Lanes(d)) {
-        const Relative r = relative_box(g, k, c);
-        V bound = hn::Mul(receiver_bound(points, g, k, r), light_bound(c, r));
-        if (!c.distant) bound = hn::Div(bound, hn::Max(r.near_squared, set(points.least_distance_squared)));
-        largest = hn::Max(largest, bound);
-      }
-    bounds[n] = hn::GetLane(hn::MaxOfLanes(d, largest));
+/// Larger of `largest` and the bounds at the group's points, lane by lane.
+HWY_INLINE V bound_group(const CutPoints& points, const CutPoints::Group& g, const CutCluster& c, V largest) {
+  for (std::size_t k = 0; k < kCutLanes; k += hn::Lanes(Tag())) {
+    const Relative r = relative_box(g, k, c);
+    V bound = hn::Mul(receiver_bound(points, g, k, r), light_bound(c, r));
+    if (!c.distant) bound = hn::Div(bound, hn::Max(r.near_squared, set(points.least_distance_squared)));
+    largest = hn::Max(largest, bound);
   }
+  return largest;
+}
+
+void bound_clusters(const CutPoints& points, std::span<const CutCluster> clusters, std::span<float> bounds) {
+  for (std::size_t n = 0; n < clusters.size(); ++n) {
+    V largest = set(0);
+    for (const CutPoints::Group& g : points.groups) largest = bound_group(points, g, clusters[n], largest);
+    bounds[n] = hn::GetLane(hn::MaxOfLanes(Tag(), largest));
+  }
+}
+
+void bound_groups(const CutPoints& points, const CutCluster& cluster, std::span<float> bounds) {
+  for (std::size_t g = 0; g < bounds.size(); ++g)
+    bounds[g] = hn::GetLane(hn::MaxOfLanes(Tag(), bound_group(points, points.groups[g], cluster, set(0))));
 }
 
 }  // namespace
@@ -135,9 +143,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace myrialux {
 HWY_EXPORT(bound_clusters);
+HWY_EXPORT(bound_groups);
 void bound_clusters(const CutPoints& points, std::span<const CutCluster> clusters, std::span<float> bounds) {
   MYRIALUX_ASSERT(clusters.size() == bounds.size() && points.least_distance_squared > 0);
   HWY_DYNAMIC_DISPATCH(bound_clusters)(points, clusters, bounds);
+}
+void bound_groups(const CutPoints& points, const CutCluster& cluster, std::span<float> bounds) {
+  MYRIALUX_ASSERT(points.groups.size() == bounds.size() && points.least_distance_squared > 0);
+  HWY_DYNAMIC_DISPATCH(bound_groups)(points, cluster, bounds);
 }
 }  // namespace myrialux
 #endif

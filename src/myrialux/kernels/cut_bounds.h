@@ -47,4 +47,8 @@ struct CutCluster {
 void bound_clusters(const CutPoints& points, std::span<const CutCluster> clusters, std::span<float> bounds);
 void bound_clusters_plain(const CutPoints& points, std::span<const CutCluster> clusters, std::span<float> bounds);
 
+/// Largest bound of one cluster over each group of points: `bounds` is [points.groups.size()].
+void bound_groups(const CutPoints& points, const CutCluster& cluster, std::span<float> bounds);
+void bound_groups_plain(const CutPoints& points, const CutCluster& cluster, std::span<float> bounds);
+
 }  // namespace myrialux

@@ -90,6 +90,17 @@ float light_bound(const CutCluster& c, const Relative& r) {
   return bound;
 }
 
+float bound_group(const CutPoints& points, const CutPoints::Group& g, const CutCluster& c) {
+  float largest = 0;
+  for (std::size_t k = 0; k < kCutLanes; ++k) {
+    const Relative r = relative_box(g, k, c);
+    float bound = receiver_bound(points, g, k, r) * light_bound(c, r);
+    if (!c.distant) bound = bound / std::max(r.near_squared, points.least_distance_squared);
+    largest = std::max(largest, bound);
+  }
+  return largest;
+}
+
 }  // namespace
 
 void bound_clusters_plain(const CutPoints& points, std::span<const CutCluster> clusters, std::span<float> bounds) {
@@ -97,13 +108,13 @@ void bound_clusters_plain(const CutPoints& points, std::span<const CutCluster> c
   for (std::size_t n = 0; n < clusters.size(); ++n) {
     bounds[n] = 0;
     for (const CutPoints::Group& g : points.groups)
-      for (std::size_t k = 0; k < kCutLanes; ++k) {
-        const Relative r = relative_box(g, k, clusters[n]);
-        float bound = receiver_bound(points, g, k, r) * light_bound(clusters[n], r);
-        if (!clusters[n].distant) bound = bound / std::max(r.near_squared, points.least_distance_squared);
-        bounds[n] = std::max(bounds[n], bound);
-      }
+      bounds[n] = std::max(bounds[n], bound_group(points, g, clusters[n]));
   }
+}
+
+void bound_groups_plain(const CutPoints& points, const CutCluster& cluster, std::span<float> bounds) {
+  MYRIALUX_ASSERT(points.groups.size() == bounds.size() && points.least_distance_squared > 0);
+  for (std::size_t g = 0; g < bounds.size(); ++g) bounds[g] = bound_group(points, points.groups[g], cluster);
 }
 
 }  // namespace myrialux

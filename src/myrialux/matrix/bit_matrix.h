@@ -35,6 +35,7 @@ class BitMatrix {
   std::size_t n_rows() const { return n_rows_; }
   std::size_t n_columns() const { return n_columns_; }
   std::size_t words_per_column() const { return words_per_column_; }
+  std::size_t n_words() const { return words_.size(); }
   Words column(std::size_t j) const { return Words(words_).subspan(j * words_per_column_, words_per_column_); }
   MutableWords column(std::size_t j) { return MutableWords(words_).subspan(j * words_per_column_, words_per_column_); }
   bool test(std::size_t i, std::size_t j) const {

@@ -14,6 +14,12 @@ class EntrySource {
   virtual std::size_t n_columns() const = 0;
   /// Rows of column j that matter: bits of others are "don't care" and never asked for.
   virtual Words active(std::size_t j) const = 0;
+  /// Active rows of column j that weigh too much to be guessed; completion traces them before anything else and takes
+  /// them for samples. Empty: none.
+  virtual Words required(std::size_t j) const {
+    (void)j;
+    return {};
+  }
   /// Columns of one group are alike (same octant) and completed together: groups are [begin, end) runs of columns.
   virtual std::size_t n_groups() const { return 1; }
   virtual std::size_t group_end(std::size_t g) const {

@@ -5,10 +5,10 @@
 namespace myrialux {
 
 MethodResult render_bamc(const FrameView& frame, const MethodParams& params, Progress& progress, RenderStats& stats) {
-  const auto complete = [&](SliceVisibility& source, Rng& rng, BitMatrix& visible) {
+  const auto complete = [&](EntrySource& source, Rng& rng, BitMatrix& visible) {
     return complete_bamc(source, params.bamc, rng, visible);
   };
-  return render_slices(frame, params, params.bamc_cull, complete, progress, stats);
+  return render_slices(frame, params, {complete, params.bamc_cull, params.bamc_guard}, progress, stats);
 }
 
 }  // namespace myrialux

@@ -19,6 +19,7 @@ struct MethodParams {
   CutParams cut;  ///< its clamp_distance is the clamp of bounds and shading alike
   BamcParams bamc;
   bool bamc_cull = true;  ///< -D bamc.cull=false: trace entries whose transfer is zero, too (as published)
+  float bamc_guard = 1;   ///< entries that may weigh more than this many times the mean are traced; 0: none (published)
   RandomKey key;
 };
 

@@ -9,11 +9,19 @@
 namespace myrialux {
 
 /// From a slice's entry source to all its bits: the stage in which slice methods differ. `visible` is all 0 at entry.
-using CompleteSlice = std::function<CompletionStats(SliceVisibility& source, Rng& rng, BitMatrix& visible)>;
+using CompleteSlice = std::function<CompletionStats(EntrySource& source, Rng& rng, BitMatrix& visible)>;
 
-/// Streams the slices: each is cut, traced, completed, shaded and forgotten, so memory does not grow with the frame.
-/// @param cull entries whose transfer is zero are left out
-MethodResult render_slices(const FrameView& frame, const MethodParams& params, bool cull, const CompleteSlice& complete,
+struct SliceMethod {
+  CompleteSlice complete;
+  bool cull = true;  ///< entries whose transfer is zero are left out
+  /// Entries that may carry more than this many times the frame's mean radiance are always traced. The mean comes from
+  /// a pilot: one slice of 64 is traced whole first, and completed besides to count wrong bits. 0: no pilot.
+  float guard = 0;
+};
+
+/// Streams the slices: each is cut, traced, completed, shaded and forgotten, so memory does not grow with the frame
+/// (but for the bits of the pilot's slices).
+MethodResult render_slices(const FrameView& frame, const MethodParams& params, const SliceMethod& method,
                            Progress& progress, RenderStats& stats);
 
 }  // namespace myrialux

@@ -5,8 +5,8 @@ namespace myrialux {
 
 MethodResult render_slice_lightcuts(const FrameView& frame, const MethodParams& params, Progress& progress,
                                     RenderStats& stats) {
-  const auto complete = [](SliceVisibility& source, Rng&, BitMatrix& visible) { return trace_all(source, visible); };
-  return render_slices(frame, params, /*cull=*/true, complete, progress, stats);
+  const auto complete = [](EntrySource& source, Rng&, BitMatrix& visible) { return trace_all(source, visible); };
+  return render_slices(frame, params, {complete}, progress, stats);
 }
 
 }  // namespace myrialux

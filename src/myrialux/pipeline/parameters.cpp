@@ -89,6 +89,9 @@ const std::vector<Key>& keys() {
       switch_key(
           "bamc.cull", "leave out entries whose transfer is zero; false: trace them too, as published",
           [](P & p) -> auto& { return p.method.bamc_cull; }),
+      number_key(
+          "bamc.guard", 0, 1e30f, "entries above this many times the picture's mean are always traced; 0: as published",
+          [](P & p) -> auto& { return p.method.bamc_guard; }),
       count_key(
           "direct.samples", 1, 4096, "emitter samples a receiver where direct light is sampled",
           [](P & p) -> auto& { return p.direct_samples; }),

@@ -17,13 +17,16 @@ Json measured(double value) { return value >= 0 ? Json(value) : Json(nullptr); }
 
 Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
+Json share(std::uint64_t part, std::uint64_t whole) {
+  return whole > 0 ? Json(static_cast<double>(part) / static_cast<double>(whole)) : Json(nullptr);
+}
+
 Json visibility_json(const RenderStats::Visibility& v) {
-  const bool any = v.entries > 0;
   return {{"entries", v.entries},
           {"traced", v.traced},
-          {"fraction", any ? Json(static_cast<double>(v.traced) / static_cast<double>(v.entries)) : Json(nullptr)},
-          {"false_visible_estimate", measured(v.false_visible_estimate)},
-          {"false_occluded_estimate", measured(v.false_occluded_estimate)},
+          {"fraction", share(v.traced, v.entries)},
+          {"false_visible_estimate", share(v.false_visible, v.checked)},
+          {"false_occluded_estimate", share(v.false_occluded, v.checked)},
           {"fully_sampled_columns", v.fully_sampled_columns},
           {"verified_columns", v.verified_columns}};
 }

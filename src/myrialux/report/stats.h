@@ -18,7 +18,9 @@ struct RenderStats {
   double clusters_mean = 0;
   struct Visibility {
     std::uint64_t entries = 0, traced = 0, fully_sampled_columns = 0, verified_columns = 0;
-    double false_visible_estimate = -1, false_occluded_estimate = -1;  ///< -1: not measured (null in the file)
+    /// Entries whose completed bit was held against its ray, and those found wrong; none: estimates are null in the
+    /// file
+    std::uint64_t checked = 0, false_visible = 0, false_occluded = 0;
   } visibility;
   struct Rays {
     std::uint64_t camera = 0, light = 0, shadow = 0, compensation = 0;

@@ -78,7 +78,7 @@ struct SliceVisibility::State {
   std::vector<BlockOffsets> offsets;  ///< [words_per_column]
   std::vector<ShadowLight> lights;    ///< [n_columns]
   std::vector<std::size_t> group_ends;
-  BitMatrix active;
+  BitMatrix active, required;
   std::uint64_t rays = 0, packets = 0;
   double wall_in_trace_s = 0;
   Stopwatch wall;
@@ -103,6 +103,7 @@ SliceVisibility::SliceVisibility(const World& world, const Receivers& receivers,
                        .lights = {},
                        .group_ends = {},
                        .active = BitMatrix(rows.size(), columns.size()),
+                       .required = {},
                        .wall = {},
                        .cpu = {}}) {
   State& s = *state_;
@@ -164,9 +165,16 @@ void SliceVisibility::State::find_active(const World& world, const Receivers& re
 std::size_t SliceVisibility::n_rows() const { return state_->n_rows; }
 std::size_t SliceVisibility::n_columns() const { return state_->lights.size(); }
 Words SliceVisibility::active(std::size_t j) const { return std::as_const(state_->active).column(j); }
+Words SliceVisibility::required(std::size_t j) const {
+  return state_->required.n_columns() > 0 ? std::as_const(state_->required).column(j) : Words{};
+}
 std::size_t SliceVisibility::n_groups() const { return state_->group_ends.size(); }
 std::size_t SliceVisibility::group_end(std::size_t g) const { return state_->group_ends[g]; }
 const BitMatrix& SliceVisibility::active_matrix() const { return state_->active; }
+void SliceVisibility::require(BitMatrix required) {
+  MYRIALUX_ASSERT(required.n_rows() == n_rows() && required.n_columns() == n_columns());
+  state_->required = std::move(required);
+}
 std::uint64_t SliceVisibility::rays() const { return state_->rays; }
 std::uint64_t SliceVisibility::packets() const { return state_->packets; }
 
@@ -180,7 +188,7 @@ double SliceVisibility::trace_seconds() const {
 std::size_t SliceVisibility::memory_bytes() const {
   const State& s = *state_;
   return s.blocks.size() * (sizeof(RowBlock) + sizeof(BlockOffsets)) + s.lights.size() * sizeof(ShadowLight) +
-         s.active.words_per_column() * s.active.n_columns() * sizeof(std::uint64_t);
+         (s.active.n_words() + s.required.n_words()) * sizeof(std::uint64_t);
 }
 
 void SliceVisibility::trace(std::size_t j, Words wanted, MutableWords visible) {

@@ -23,10 +23,13 @@ class SliceVisibility final : public EntrySource {
   std::size_t n_rows() const override;
   std::size_t n_columns() const override;
   Words active(std::size_t j) const override;
+  Words required(std::size_t j) const override;
   std::size_t n_groups() const override;
   std::size_t group_end(std::size_t g) const override;
   void trace(std::size_t j, Words wanted, MutableWords visible) override;
   const BitMatrix& active_matrix() const;
+  /// Entries that completion must trace, [n_rows x n_columns], among the active ones; none before this call.
+  void require(BitMatrix required);
   std::uint64_t rays() const;     ///< shadow rays so far
   std::uint64_t packets() const;  ///< packets they travelled in
   double trace_seconds() const;   ///< CPU seconds this thread spent in trace()
