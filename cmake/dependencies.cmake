@@ -34,6 +34,10 @@ if(MYRIALUX_SANITIZE)
   target_compile_options(myrialux_flags INTERFACE -fsanitize=${MYRIALUX_SANITIZE} -fno-omit-frame-pointer
     -fno-sanitize-recover=all)
   target_link_options(myrialux_flags INTERFACE -fsanitize=${MYRIALUX_SANITIZE})
+  if(MYRIALUX_SANITIZE STREQUAL "thread")
+    set_source_files_properties(${PROJECT_SOURCE_DIR}/src/myrialux/base/loops.cpp
+      PROPERTIES COMPILE_OPTIONS -fno-sanitize=thread)
+  endif()
 endif()
 
 set(myrialux_libs_base TBB::tbb fmt::fmt)

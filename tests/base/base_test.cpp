@@ -2,7 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <numeric>
 #include <set>
 #include <thread>
@@ -105,6 +108,42 @@ TEST(ParallelFor, PassesErrorsOn) {
                             }),
                Error);
 }
+
+#ifdef MYRIALUX_SANITIZE_THREAD
+/// Items 0 and 1 on two threads at once: each waits for the other, by means that order nothing else.
+template <class Body>
+void run_two_items_at_once(const Body& body) {
+  std::atomic<int> n_started{0};
+  parallel_for(2, [&](std::size_t i) {
+    n_started.fetch_add(1, std::memory_order_relaxed);
+    const auto begin = std::chrono::steady_clock::now();
+    while (n_started.load(std::memory_order_relaxed) < 2)
+      if (std::chrono::steady_clock::now() - begin > std::chrono::seconds(20)) throw Error(ErrorKind::limit, "alone");
+    body(i);
+  });
+}
+
+TEST(ThreadSanitizer, SeesARaceBetweenItems) {
+  if (available_threads() < 2) GTEST_SKIP() << "needs two processors";
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto race = [] {
+    int sum = 0;
+    run_two_items_at_once([&](std::size_t i) { sum += static_cast<int>(i); });
+    std::exit(sum > 5);
+  };
+  EXPECT_EXIT(race(), ::testing::ExitedWithCode(66), "WARNING: ThreadSanitizer: data race");
+}
+
+TEST(ThreadSanitizer, AcceptsWorkHandedToItemsAndBack) {
+  if (available_threads() < 2) GTEST_SKIP() << "needs two processors";
+  std::vector<int> sums(2);
+  for (int round = 0; round < 100; ++round) {
+    const std::vector<int> given(2, round);
+    run_two_items_at_once([&](std::size_t i) { sums[i] += given[i]; });
+    EXPECT_EQ(sums[0], sums[1]);
+  }
+}
+#endif
 
 TEST(Cancel, StopsParallelLoops) {
   std::atomic<int> n_calls{0};

@@ -6,10 +6,17 @@
 
 #include "myrialux/base/assert.h"
 #include "myrialux/base/error.h"
+#include "myrialux/base/handover.h"
 
 namespace myrialux {
 
 namespace {
+
+#ifdef MYRIALUX_SANITIZE_THREAD
+constexpr const char* kDeviceConfig = "threads=1";  // how Embree's threads hand over their work cannot be seen
+#else
+constexpr const char* kDeviceConfig = nullptr;
+#endif
 
 /// Throws what the device has to say since the last call; `doing` completes the message.
 void check(RTCDevice device, const Scene& scene, const char* doing);
@@ -27,7 +34,7 @@ bool count_bytes(void* counter, ssize_t bytes, bool) {
 }  // namespace
 
 Acceleration::Acceleration(const Scene& s) : scene(s) {
-  device = rtcNewDevice(nullptr);
+  device = rtcNewDevice(kDeviceConfig);
   check(device, scene, "starting Embree");
   rtcSetDeviceMemoryMonitorFunction(device, count_bytes, &bytes);
   has_native_16 = rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0;
