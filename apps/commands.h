@@ -21,5 +21,6 @@ void add_render(CLI::App& app, Session& session);
 void add_info(CLI::App& app, Session& session);
 void add_check(CLI::App& app, Session& session);
 void add_lights(CLI::App& app, Session& session);
+void add_compare(CLI::App& app, Session& session);
 
 }  // namespace myrialux::app

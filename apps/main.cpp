@@ -92,10 +92,12 @@ int run(int argc, char** argv) {
   add_info(app, session);
   add_check(app, session);
   add_lights(app, session);
+  add_compare(app, session);
   // Set last: subcommands would inherit it.
   app.footer(R"(Examples:
   myrialux render room.xml -o room.exr -o room.png
   myrialux info room.xml
+  myrialux compare truth.exr room.exr
   myrialux render --help
 
 Results go to files or stdout, everything else to stderr. NO_COLOR and MYRIALUX_THREADS are respected.)");
