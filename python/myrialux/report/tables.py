@@ -56,7 +56,7 @@ def text_table(columns, rows, differing=()):
     body = "".join(f'<tr{" class=differs" if key in differing else ""}><td>{html.escape(key)}</td>'
                    + "".join(f"<td class=text>{html.escape(text)}</td>" for text in texts) + "</tr>\n"
                    for key, *texts in rows)
-    return f'<div class="wide"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody></table></div>'
+    return f'<div class="wide"><table class="texts">\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody></table></div>'
 
 
 def definitions(pairs):
