@@ -1,5 +1,6 @@
 // The myrialux program: picks the subcommand, turns errors into messages and exit codes.
 #include <fmt/format.h>
+#include <malloc.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -136,4 +137,8 @@ Results go to files or stdout, everything else to stderr. NO_COLOR and MYRIALUX_
 }  // namespace
 }  // namespace myrialux::app
 
-int main(int argc, char** argv) { return myrialux::app::run(argc, argv); }
+int main(int argc, char** argv) {
+  // Large arrays go back to the system as soon as they are freed, whatever was freed before: memory can be foretold.
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  return myrialux::app::run(argc, argv);
+}

@@ -60,6 +60,7 @@ void run(const RenderOptions& o, Session& session) {
   }
   RenderStats& stats = result.stats;
   const double write_s = clock.lap();
+  stats.memory.peak_rss = peak_rss_bytes();
   stats.time_s["load"] = load_s;
   stats.time_s["film"] += write_s;
   stats.time_s["total"] += load_s + write_s;
@@ -144,7 +145,9 @@ void add_arguments(CLI::App& c, RenderOptions& o) {
   c.add_option("--seed", p.seed, "Another seed, another noise; default 0")
       ->check(whole_number(0, std::numeric_limits<std::int64_t>::max()))
       ->option_text("N");
-  c.add_option("--memory-limit", o.memory_limit, "Refuse what is predicted to need more:\nbytes, or with K, M, G, T")
+  c.add_option("--memory-limit", o.memory_limit,
+               "Never take more memory: a frame that would is\nrefused before work starts, with settings that\nfit. "
+               "Bytes, or with K, M, G, T")
       ->option_text("BYTES");
   add_progress_argument(c, o.scene);
 }

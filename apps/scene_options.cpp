@@ -119,7 +119,11 @@ Scene open_scene(const SceneOptions& options, const Definitions& definitions, Re
   reporter.stage("load", 0, "");
   Scene scene = load_scene(options.path, {.defines = definitions.scene, .strict = options.strict});
   reporter.end_stage();
-  reporter.warn(scene.diagnostics);
+  // What cannot be rendered stops the command next, with one error that lists it all.
+  std::vector<Diagnostic> warnings;
+  for (const Diagnostic& d : scene.diagnostics)
+    if (d.severity == Severity::warning) warnings.push_back(d);
+  reporter.warn(warnings);
   if (placement) scene.camera.to_world = *placement;
   if (options.fov_deg > 0) scene.camera.fov_x_deg = static_cast<float>(options.fov_deg);
   return scene;

@@ -18,6 +18,7 @@ get_target_property(oiio_includes OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIR
 list(FILTER oiio_includes EXCLUDE REGEX "opencv")
 set_target_properties(OpenImageIO::OpenImageIO PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${oiio_includes}"
   INTERFACE_SYSTEM_INCLUDE_DIRECTORIES "")
+find_package(OpenEXR REQUIRED)  # for its threads alone; pictures are written by OpenImageIO, which brings it
 find_package(ZLIB REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
@@ -44,5 +45,5 @@ set(myrialux_libs_base TBB::tbb fmt::fmt)
 set(myrialux_libs_kernels hwy::hwy)
 set(myrialux_libs_scene pugixml::pugixml OpenImageIO::OpenImageIO ZLIB::ZLIB)
 set(myrialux_libs_trace embree)
-set(myrialux_libs_film OpenImageIO::OpenImageIO)
+set(myrialux_libs_film OpenImageIO::OpenImageIO OpenEXR::OpenEXR)
 set(myrialux_libs_report nlohmann_json::nlohmann_json)

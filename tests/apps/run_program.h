@@ -5,10 +5,12 @@
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdint>
 #include <string>
 #include <thread>
 #include <vector>
@@ -18,6 +20,7 @@ namespace myrialux::test {
 struct Outcome {
   int exit_code = -1;  ///< 128 + signal if it was killed
   std::string out, err;
+  std::uint64_t peak_bytes = 0;  ///< memory at its largest; never below what this process held when it forked
 };
 
 struct RunOptions {
@@ -74,7 +77,9 @@ inline Outcome run_program(const std::vector<std::string>& arguments, const RunO
   close(out[0]);
   close(err[0]);
   int status = 0;
-  waitpid(child, &status, 0);
+  rusage usage{};
+  wait4(child, &status, 0, &usage);
+  outcome.peak_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB
   outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return outcome;
 }

@@ -68,6 +68,24 @@ Sums plain_sums(const Samples& s, const Filter& f) {
   return sums;
 }
 
+TEST(Accumulate, BandsOfRowsAddUpToTheSameBits) {
+  const Samples s = random_samples(37, 50, 3);
+  for (const Filter& filter : all_filters()) {
+    Sums whole(s), banded(s);
+    whole.add(s, filter);
+    int first = 0;
+    for (const int n_rows : {1, 2, 33, 14}) {
+      const std::size_t begin = std::size_t(first) * 37 * 3, n = std::size_t(n_rows) * 37 * 3;
+      accumulate(std::span(s.position).subspan(begin, n), std::span(s.values).subspan(begin, n), s.width, s.height,
+                 s.spp, filter, banded.rgb, banded.weight, first);
+      first += n_rows;
+    }
+    ASSERT_EQ(first, s.height);
+    EXPECT_EQ(whole.rgb, banded.rgb);
+    EXPECT_EQ(whole.weight, banded.weight);
+  }
+}
+
 TEST(Accumulate, ConstantInputGivesConstantPictureForAllFilters) {
   for (const Filter& filter : all_filters())
     for (const auto& [width, height] : {std::pair{1, 1}, {63, 5}, {64, 3}, {65, 33}, {3, 67}}) {

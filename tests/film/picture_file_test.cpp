@@ -1,4 +1,5 @@
 // Picture files: what is written comes back, and what cannot be written leaves nothing.
+#include <OpenEXR/ImfThreading.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -9,6 +10,7 @@
 #include <limits>
 
 #include "myrialux/base/error.h"
+#include "myrialux/base/parallel.h"
 #include "myrialux/base/rng.h"
 #include "myrialux/film/film.h"
 #include "myrialux/math/srgb.h"
@@ -105,6 +107,22 @@ TEST(PictureFile, SamePictureGivesSameBytes) {
   Metadata header;
   read_picture(folder.file("a.exr"), &header);
   EXPECT_FALSE(header.contains("DateTime")) << "the hour of writing would tell the same picture apart";
+}
+
+TEST(PictureFile, NumberOfThreadsDoesNotChangeTheBytesAndNoThreadStays) {
+  const test::TemporaryFolder folder;
+  const Picture picture = random_picture(65, 333);  // several bands of blocks, the last of each not full
+  for (const char* extension : {".exr", ".png", ".hdr"}) {
+    std::string one;
+    for (const int n_threads : {1, 2, 7}) {
+      const ThreadScope threads(n_threads);
+      write_picture(picture, folder.file(std::string("a") + extension), {});
+      const std::string bytes = folder.read(std::string("a") + extension);
+      if (n_threads == 1) one = bytes;
+      EXPECT_EQ(bytes, one) << extension << " with " << n_threads << " threads";
+      EXPECT_EQ(Imf::globalThreadCount(), 0) << "they may hang at exit";
+    }
+  }
 }
 
 TEST(PictureFile, PngHoldsTheSrgbCurveRounded) {

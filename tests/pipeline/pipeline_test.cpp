@@ -116,15 +116,16 @@ TEST(Pipeline, LayersAreThere) {
 
 TEST(Pipeline, MemoryLimitIsRefusedBeforeTheWorkWithARemedy) {
   RenderParams p = small("bamc");
-  p.width = p.height = 4096;
-  p.memory_limit = 1u << 30;
+  p.width = p.height = 2048;
+  p.memory_limit = 2u << 30;
   Progress silent;
   try {
     render(test::cornell_box(), p, silent);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.kind(), ErrorKind::limit);
-    EXPECT_NE(std::string(e.what()).find("--spp"), std::string::npos) << e.what();
+    for (const char* part : {"--spp 2 --passes 2", "--size 1", "allows 2048 MiB"})
+      EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << part << "\n" << e.what();
   }
 }
 

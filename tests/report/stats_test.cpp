@@ -44,7 +44,7 @@ TEST(Stats, HasTheKeysOfTheContractInOrder) {
   EXPECT_THAT(keys(j["rays"]), ElementsAre("camera", "light", "shadow", "compensation"));
   EXPECT_THAT(keys(j["time_s"]), ElementsAre("load", "build", "receivers", "lights", "cluster", "visibility",
                                              "complete", "shade", "film", "total", "direct"));
-  EXPECT_THAT(keys(j["memory_bytes"]), ElementsAre("peak_rss", "scene", "slices_peak"));
+  EXPECT_THAT(keys(j["memory_bytes"]), ElementsAre("peak_rss", "predicted", "scene", "slices_peak"));
   EXPECT_THAT(keys(j["error"]), ElementsAre("estimate", "confidence"));
 }
 

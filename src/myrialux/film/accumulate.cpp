@@ -23,9 +23,12 @@ std::size_t index_of(int k) { return static_cast<std::size_t>(k); }
 }  // namespace
 
 void accumulate(std::span<const Vec2> position, std::span<const Rgb> values, int width, int height, int spp,
-                const Filter& filter, std::vector<double>& sum_rgb, std::vector<double>& weight) {
+                const Filter& filter, std::vector<double>& sum_rgb, std::vector<double>& weight, int first_row) {
   const std::size_t n_pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  MYRIALUX_ASSERT(position.size() == values.size() && position.size() == n_pixels * static_cast<std::size_t>(spp));
+  const std::size_t samples_a_row = static_cast<std::size_t>(width) * static_cast<std::size_t>(spp);
+  const std::size_t first_sample = static_cast<std::size_t>(first_row) * samples_a_row;
+  const int end_row = first_row + static_cast<int>(position.size() / samples_a_row);
+  MYRIALUX_ASSERT(position.size() == values.size() && position.size() % samples_a_row == 0 && end_row <= height);
   MYRIALUX_ASSERT(sum_rgb.size() == 3 * n_pixels && weight.size() == n_pixels);
   // A sample anywhere in its pixel reaches at most this many pixels further.
   const int reach = std::max(0, static_cast<int>(std::ceil(filter.radius + 0.5f)) - 1);
@@ -34,17 +37,18 @@ void accumulate(std::span<const Vec2> position, std::span<const Rgb> values, int
   // A block of rows gathers from its own samples and from those of `reach` rows around; each pixel receives them in the
   // order of their indices, however rows are shared out.
   constexpr int kRows = 32;
-  const std::size_t n_blocks = static_cast<std::size_t>((height + kRows - 1) / kRows);
+  const int y_first = std::max(0, first_row - reach), y_last = std::min(height, end_row + reach);
+  const std::size_t n_blocks = static_cast<std::size_t>((y_last - y_first + kRows - 1) / kRows);
   parallel_for(n_blocks, [&](std::size_t block) {
-    const int y_begin = static_cast<int>(block) * kRows, y_end = std::min(height, y_begin + kRows);
+    const int y_begin = y_first + static_cast<int>(block) * kRows, y_end = std::min(y_last, y_begin + kRows);
     std::vector<float> weight_x(taps), weight_y(taps);
-    for (int sy = std::max(0, y_begin - reach); sy < std::min(height, y_end + reach); ++sy)
+    for (int sy = std::max(first_row, y_begin - reach); sy < std::min(end_row, y_end + reach); ++sy)
       for (int sx = 0; sx < width; ++sx)
         for (int k = 0; k < spp; ++k) {
           const std::size_t s =
               (static_cast<std::size_t>(sy) * static_cast<std::size_t>(width) + static_cast<std::size_t>(sx)) *
                   static_cast<std::size_t>(spp) +
-              static_cast<std::size_t>(k);
+              static_cast<std::size_t>(k) - first_sample;
           axis_weights(filter, position[s].x, sx, reach, weight_x.data());
           axis_weights(filter, position[s].y, sy, reach, weight_y.data());
           const Rgb value = values[s];

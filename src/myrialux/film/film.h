@@ -21,6 +21,7 @@ struct Picture {
     std::vector<float> pixels;          ///< [height * width * channels.size()], row by row from the top
   };
   std::vector<Layer> layers;
+  std::size_t n_channels() const;  ///< of all layers
   /// A new layer of zeros, of the picture's size; the name must be new. The reference holds until the next call.
   Layer& add_layer(const std::string& name, std::vector<std::string> channels);
   const Layer* find(const std::string& name) const;
@@ -30,9 +31,10 @@ struct Picture {
 /// `position` in pixels from the top left, sorted by pixel: sample k of pixel i is i * spp + k. Parallel,
 /// deterministic.
 /// @param values [n_samples]; adds sums and weights to `sum` [3 * pixels] and `weight` [pixels] in double, so that
-/// passes add up
+/// passes add up. Samples may be those of some rows of pixels from `first_row` on; rows given in rising order add up to
+/// the same bits as all at once.
 void accumulate(std::span<const Vec2> position, std::span<const Rgb> values, int width, int height, int spp,
-                const Filter& filter, std::vector<double>& sum_rgb, std::vector<double>& weight);
+                const Filter& filter, std::vector<double>& sum_rgb, std::vector<double>& weight, int first_row = 0);
 
 /// Parameters kept in an EXR header, as text.
 using Metadata = std::map<std::string, std::string>;
@@ -46,7 +48,11 @@ std::string picture_extension(const std::string& path);
 /// `exposure` in stops). Written beside the target and renamed: a half picture never stands under the final name.
 /// Layers of an EXR stand in the file's alphabetical order. Metadata goes to EXR only.
 /// @throws Error (output); (usage) for an unknown extension; (input) if a pixel is not finite, naming it.
+/// Uses as many threads as parallel loops may, for the same bytes. Memory: at most picture_write_bytes().
 void write_picture(const Picture& picture, const std::string& path, const Metadata& metadata, float exposure = 0);
+
+/// Memory that write_picture takes at most for one file of any format, besides the picture.
+std::uint64_t picture_write_bytes(int width, int height, std::size_t n_channels, int n_threads);
 
 /// Reads EXR, HDR, PNG, ... as layers ("albedo.R" is channel R of layer "albedo"; R G B without a dot are layer "").
 /// Pictures of 8 or 16 bits come back linear (their sRGB curve undone).

@@ -13,6 +13,12 @@ Picture::Layer& Picture::add_layer(const std::string& name, std::vector<std::str
   return layers.back();
 }
 
+std::size_t Picture::n_channels() const {
+  std::size_t n = 0;
+  for (const Layer& layer : layers) n += layer.channels.size();
+  return n;
+}
+
 const Picture::Layer* Picture::find(const std::string& name) const {
   const auto it = std::find_if(layers.begin(), layers.end(), [&](const Layer& l) { return l.name == name; });
   return it == layers.end() ? nullptr : &*it;

@@ -1,4 +1,5 @@
-// Encodes a picture in memory by OpenImageIO, then puts the bytes on disk whole or not at all.
+// Encodes a picture in memory by OpenImageIO, band by band, then puts the bytes on disk whole or not at all.
+#include <OpenEXR/ImfThreading.h>
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
@@ -7,11 +8,13 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
 #include "myrialux/base/assert.h"
 #include "myrialux/base/error.h"
 #include "myrialux/base/output_file.h"
 #include "myrialux/base/parallel.h"
+#include "myrialux/base/process.h"
 #include "myrialux/base/suggest.h"
 #include "myrialux/film/film.h"
 #include "myrialux/math/srgb.h"
@@ -22,15 +25,30 @@ namespace {
 using Bytes = std::vector<unsigned char>;
 
 void require_finite(const Picture& picture, const std::string& path);
-/// All layers as one array of interleaved channels, and the channels' names.
-struct Interleaved {
-  std::vector<std::string> names;
-  std::vector<float> pixels;
-};
-Interleaved interleave(const Picture& picture);
+std::vector<std::string> channel_names(const Picture& picture);
+/// Rows [y_begin, y_end) of the layers' channels side by side.
+void interleave(const std::vector<const Picture::Layer*>& layers, int width, int y_begin, int y_end,
+                std::vector<float>& pixels);
 /// sRGB bytes of the beauty, 3 a pixel.
 std::vector<std::uint8_t> tone_map(const Picture& picture, const Picture::Layer& beauty, float exposure);
-Bytes encode(const std::string& path, const std::string& extension, const OIIO::ImageSpec& spec, const void* pixels);
+/// The pixels of rows [y_begin, y_end), as the spec says; they need to last until the next call.
+using Rows = std::function<const void*(int y_begin, int y_end)>;
+Bytes encode(const std::string& path, const std::string& extension, const OIIO::ImageSpec& spec, const Rows& rows);
+
+/// A block of ZIP: rows that are compressed together.
+constexpr int kZipRows = 16;
+/// Rows of a band: each thread compresses some blocks of it.
+int band_rows(int n_threads) { return 4 * kZipRows * n_threads; }
+
+/// OpenEXR's own threads while one file is written; none when they would be one. Gone with the object, since they may
+/// hang at exit; OpenImageIO, told to leave them alone ("exr_threads"), does not start them anew.
+class ExrThreads {
+ public:
+  explicit ExrThreads(int n) { Imf::setGlobalThreadCount(n > 1 ? n : 0); }
+  ~ExrThreads() { Imf::setGlobalThreadCount(0); }
+  ExrThreads(const ExrThreads&) = delete;
+  ExrThreads& operator=(const ExrThreads&) = delete;
+};
 
 const Picture::Layer& beauty_of(const Picture& picture, const std::string& path) {
   const Picture::Layer* beauty = picture.find("");
@@ -61,14 +79,22 @@ void write_picture(const Picture& picture, const std::string& path, const Metada
   require_writable(path);
   require_finite(picture, path);
   OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT);
-  const auto save = [&](const void* pixels) {
-    const Bytes bytes = encode(path, extension, spec, pixels);
+  const auto save = [&](const Rows& rows) {
+    const Bytes bytes = encode(path, extension, spec, rows);
     write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   };
+  std::vector<const Picture::Layer*> layers;
+  std::vector<float> band;
+  const auto save_layers = [&] {
+    save([&](int y_begin, int y_end) {
+      interleave(layers, picture.width, y_begin, y_end, band);
+      return band.data();
+    });
+  };
   if (extension == ".exr") {
-    const Interleaved all = interleave(picture);
-    spec.nchannels = static_cast<int>(all.names.size());
-    spec.channelnames = all.names;
+    for (const Picture::Layer& layer : picture.layers) layers.push_back(&layer);
+    spec.channelnames = channel_names(picture);
+    spec.nchannels = static_cast<int>(spec.channelnames.size());
     spec.attribute("compression", "zip");
     // Without a date of its own OpenImageIO adds the hour of writing; one of the wrong type is dropped instead, and the
     // same picture gives the same bytes.
@@ -77,17 +103,26 @@ void write_picture(const Picture& picture, const std::string& path, const Metada
     const float rec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
     spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), rec709);
     for (const auto& [key, value] : metadata) spec.attribute(key, value);
-    save(all.pixels.data());
+    save_layers();
   } else if (extension == ".hdr") {
-    Picture only{picture.width, picture.height, {beauty_of(picture, path)}};
-    save(interleave(only).pixels.data());
+    layers = {&beauty_of(picture, path)};
+    save_layers();
   } else {
     const std::vector<std::uint8_t> bytes = tone_map(picture, beauty_of(picture, path), exposure);
     spec.set_format(OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:ColorSpace", "sRGB");
     if (extension != ".png") spec.attribute("Compression", "jpeg:95");
-    save(bytes.data());
+    save([&](int y_begin, int) { return bytes.data() + static_cast<std::size_t>(y_begin) * spec.scanline_bytes(); });
   }
+}
+
+std::uint64_t picture_write_bytes(int width, int height, std::size_t n_channels, int n_threads) {
+  // The file, never larger than its pixels but for the header; a band, OpenEXR's blocks of it (2 a thread) and their
+  // compressed forms.
+  const std::uint64_t row = static_cast<std::uint64_t>(width) * std::max<std::size_t>(3, n_channels) * sizeof(float);
+  const std::uint64_t band = static_cast<std::uint64_t>(band_rows(n_threads));
+  return row * static_cast<std::uint64_t>(height) + row * (std::min(band, static_cast<std::uint64_t>(height)) +
+                                                           4 * kZipRows * static_cast<std::uint64_t>(n_threads));
 }
 
 namespace {
@@ -105,22 +140,29 @@ void require_finite(const Picture& picture, const std::string& path) {
     }
 }
 
-Interleaved interleave(const Picture& picture) {
-  Interleaved all;
+std::vector<std::string> channel_names(const Picture& picture) {
+  std::vector<std::string> names;
   for (const Picture::Layer& layer : picture.layers)
-    for (const std::string& c : layer.channels) all.names.push_back(layer.name.empty() ? c : layer.name + "." + c);
-  const std::size_t n = all.names.size();
-  const std::size_t n_pixels = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
-  all.pixels.resize(n * n_pixels);
-  std::size_t first = 0;
-  for (const Picture::Layer& layer : picture.layers) {
-    const std::size_t m = layer.channels.size();
-    MYRIALUX_ASSERT(layer.pixels.size() == m * n_pixels);
-    for (std::size_t i = 0; i < n_pixels; ++i)
-      std::copy_n(layer.pixels.data() + m * i, m, all.pixels.data() + n * i + first);
+    for (const std::string& c : layer.channels) names.push_back(layer.name.empty() ? c : layer.name + "." + c);
+  return names;
+}
+
+void interleave(const std::vector<const Picture::Layer*>& layers, int width, int y_begin, int y_end,
+                std::vector<float>& pixels) {
+  const auto at = [&](int y) { return static_cast<std::size_t>(y) * static_cast<std::size_t>(width); };
+  const std::size_t begin = at(y_begin), n_pixels = at(y_end) - begin;
+  std::size_t n = 0, first = 0;
+  for (const Picture::Layer* layer : layers) n += layer->channels.size();
+  pixels.resize(n * n_pixels);
+  for (const Picture::Layer* layer : layers) {
+    const std::size_t m = layer->channels.size();
+    MYRIALUX_ASSERT(layer->pixels.size() >= m * (begin + n_pixels));
+    parallel_for(
+        n_pixels,
+        [&](std::size_t i) { std::copy_n(layer->pixels.data() + m * (begin + i), m, pixels.data() + n * i + first); },
+        4096);
     first += m;
   }
-  return all;
 }
 
 std::vector<std::uint8_t> tone_map(const Picture& picture, const Picture::Layer& beauty, float exposure) {
@@ -145,21 +187,27 @@ std::vector<std::uint8_t> tone_map(const Picture& picture, const Picture::Layer&
   throw Error(ErrorKind::output, path + ": cannot be encoded: " + reason);
 }
 
-Bytes encode(const std::string& path, const std::string& extension, const OIIO::ImageSpec& spec, const void* pixels) {
-  // OpenEXR's own threads may hang at exit; without them the calling thread compresses.
-  OIIO::attribute("exr_threads", -1);
-  OIIO::attribute("debug", 0);  // some builds print warnings by default
+Bytes encode(const std::string& path, const std::string& extension, const OIIO::ImageSpec& spec, const Rows& rows) {
+  OIIO::attribute("exr_threads", -1);  // OpenImageIO starts none
+  OIIO::attribute("debug", 0);         // some builds print warnings by default
+  const int n_threads = allowed_threads();
+  const ExrThreads threads(extension == ".exr" ? n_threads : 1);
   const auto output = OIIO::ImageOutput::create(extension.substr(1));
   if (!output) refuse(path, OIIO::geterror());
   MYRIALUX_ASSERT(output->supports("ioproxy"));
+  // Room for all, so that the bytes never stand there twice while they grow; pages not written to cost nothing.
   Bytes bytes;
+  bytes.reserve(spec.image_bytes() + (1 << 16));
   OIIO::Filesystem::IOVecOutput memory(bytes);
   void* proxy = &memory;
   OIIO::ImageSpec with_memory = spec;
   with_memory.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
   output->threads(1);
   if (!output->open("memory" + extension, with_memory)) refuse(path, output->geterror());
-  if (!output->write_image(spec.format, pixels)) refuse(path, output->geterror());
+  for (int y = 0; y < spec.height; y += band_rows(n_threads)) {
+    const int end = std::min(spec.height, y + band_rows(n_threads));
+    if (!output->write_scanlines(y, end, 0, spec.format, rows(y, end))) refuse(path, output->geterror());
+  }
   if (!output->close()) refuse(path, output->geterror());
   return bytes;
 }

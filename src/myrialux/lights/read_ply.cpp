@@ -3,6 +3,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <map>
 #include <optional>
 #include <string>
@@ -44,6 +45,19 @@ void read_ascii(const std::string& text, const std::string& path, const Header& 
 void add_light(const Row& row, const Header& header, float default_offset, VirtualLights& lights, auto&& place);
 
 }  // namespace
+
+std::uint64_t count_lights(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string line;
+  for (int k = 0; k < 1 << 16 && std::getline(in, line) && !line.starts_with("end_header"); ++k) {
+    std::uint64_t n = 0;
+    constexpr std::string_view kVertices = "element vertex ";
+    if (line.starts_with(kVertices) &&
+        std::from_chars(line.data() + kVertices.size(), line.data() + line.size(), n).ec == std::errc())
+      return n;
+  }
+  return 0;
+}
 
 VirtualLights read_lights(const std::string& path, const Scene& scene) {
   const std::optional<std::string> bytes = read_file(path);

@@ -4,11 +4,12 @@
 // P f(wi, w) |wi . n| / |wi . ng| |w . ng| along w [veach97, eq. 5.19]; so virtual lights agree with camera paths.
 #include "myrialux/lights/virtual_lights.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 #include "myrialux/base/parallel.h"
+#include "myrialux/base/process.h"
 #include "myrialux/transport/walk.h"
 
 namespace myrialux {
@@ -27,7 +28,10 @@ std::optional<SurfacePoint> next_scattering(const World& world, Ray ray, std::ui
 void add_emission(const Scene& scene, const EmissionSample& e, VirtualLights& lights);
 void add_vertex(const Vertex& vertex, Rgb power, int bounce, VirtualLights& lights);
 void append(VirtualLights& to, const VirtualLights& from, float factor);
-std::uint64_t walks_needed(const World& world, const LightParams& params);
+/// Blocks traced before their lights are joined: a few thousand lights a thread wait at a time.
+std::size_t blocks_at_once(const LightForecast& forecast);
+constexpr std::size_t kLightBytes =
+    3 * sizeof(Vec3) + sizeof(float) + sizeof(Rgb) + sizeof(LightKind) + sizeof(std::uint8_t) + sizeof(std::uint32_t);
 
 }  // namespace
 
@@ -36,22 +40,62 @@ LightResult trace_lights(const World& world, const LightParams& params, Progress
   if (params.n_lights == 0 || !within_depth(world, 2)) return result;
   if (params.n_lights > 0x7fffffffu)
     throw Error(ErrorKind::limit, "at most 2^31 - 1 virtual lights in one pass; render more passes");
-  result.n_walks = walks_needed(world, params);
+  const LightForecast forecast = forecast_lights(world, params);
+  result.n_walks = forecast.n_walks;
   progress.stage("lights", result.n_walks, "walks");
+  VirtualLights& lights = result.lights;
+  const auto n = static_cast<std::size_t>(forecast.n_lights);
+  lights.p.reserve(n), lights.n.reserve(n), lights.ng.reserve(n), lights.offset.reserve(n), lights.light.reserve(n);
+  lights.kind.reserve(n), lights.bounce.reserve(n), lights.extra.reserve(n);
+  lights.glossy.reserve(static_cast<std::size_t>(forecast.n_glossy));
+
   const std::size_t n_blocks = (result.n_walks + kWalksPerBlock - 1) / kWalksPerBlock;
-  std::vector<Block> blocks(n_blocks);
-  parallel_for(n_blocks, [&](std::size_t b) {
-    const std::uint64_t begin = b * kWalksPerBlock, end = std::min(begin + kWalksPerBlock, result.n_walks);
-    for (std::uint64_t w = begin; w < end; ++w)
-      make_walk(world, params.direct, Rng(params.key, Stage::light_walk, w), blocks[b]);
-    progress.advance(end - begin);
-  });
-  for (Block& block : blocks) {
-    append(result.lights, block.lights, 1 / static_cast<float>(result.n_walks));
-    result.light_rays += block.rays;
-    block = {};
+  const std::size_t n_at_once = blocks_at_once(forecast);
+  for (std::size_t first = 0; first < n_blocks; first += n_at_once) {
+    std::vector<Block> blocks(std::min(n_at_once, n_blocks - first));
+    parallel_for(blocks.size(), [&](std::size_t b) {
+      const std::uint64_t begin = (first + b) * kWalksPerBlock, end = std::min(begin + kWalksPerBlock, result.n_walks);
+      for (std::uint64_t w = begin; w < end; ++w)
+        make_walk(world, params.direct, Rng(params.key, Stage::light_walk, w), blocks[b]);
+      progress.advance(end - begin);
+    });
+    for (Block& block : blocks) {
+      append(lights, block.lights, 1 / static_cast<float>(result.n_walks));
+      result.light_rays += block.rays;
+      block = {};
+    }
   }
   return result;
+}
+
+LightForecast forecast_lights(const World& world, const LightParams& params) {
+  if (params.n_lights == 0 || !within_depth(world, 2)) return {};
+  constexpr std::size_t kBlocks = kPilotWalks / kWalksPerBlock;
+  std::vector<Block> pilot(kBlocks);
+  parallel_for(kBlocks, [&](std::size_t b) {
+    for (std::uint64_t w = b * kWalksPerBlock; w < (b + 1) * kWalksPerBlock; ++w)
+      make_walk(world, params.direct, Rng(params.key, Stage::light_walk, kPilotItems + w), pilot[b]);
+  });
+  std::size_t n_found = 0, n_glossy = 0;
+  for (const Block& block : pilot) n_found += block.lights.size(), n_glossy += block.lights.glossy.size();
+  // Where nearly all walks miss the scene, the number of walks is bounded rather than the number of lights reached.
+  constexpr double kMostWalksPerLight = 1000;
+  const auto n = static_cast<double>(params.n_lights), found = static_cast<double>(n_found);
+  const double walks = n_found > 0 ? n * kPilotWalks / found : n * kMostWalksPerLight;
+  const double margin = 1 + 3 / std::sqrt(found + 1), share = static_cast<double>(n_glossy) / std::max(1.0, found);
+  const double glossy = std::min(1.0, share + 3 * std::sqrt(share / (found + 1)));
+  const double n_most = std::ceil(n * margin);
+  return {.n_walks = static_cast<std::uint64_t>(std::max(1.0, std::round(std::min(walks, n * kMostWalksPerLight)))),
+          .n_lights = static_cast<std::uint64_t>(n_most),
+          .n_glossy = static_cast<std::uint64_t>(std::ceil(n_most * glossy))};
+}
+
+std::uint64_t LightForecast::memory_bytes() const {
+  return n_lights * kLightBytes + n_glossy * sizeof(VirtualLights::Glossy);
+}
+
+std::uint64_t VirtualLights::memory_bytes() const {
+  return size() * kLightBytes + glossy.size() * sizeof(Glossy) + spots.size() * sizeof(Spot);
 }
 
 float VirtualLights::importance(const World& world, LightId id) const {
@@ -72,20 +116,13 @@ float VirtualLights::importance(const World& world, LightId id) const {
 
 namespace {
 
-std::uint64_t walks_needed(const World& world, const LightParams& params) {
-  constexpr std::size_t kBlocks = kPilotWalks / kWalksPerBlock;
-  std::vector<Block> pilot(kBlocks);
-  parallel_for(kBlocks, [&](std::size_t b) {
-    for (std::uint64_t w = b * kWalksPerBlock; w < (b + 1) * kWalksPerBlock; ++w)
-      make_walk(world, params.direct, Rng(params.key, Stage::light_walk, kPilotItems + w), pilot[b]);
-  });
-  std::size_t n_found = 0;
-  for (const Block& block : pilot) n_found += block.lights.size();
-  // Where nearly all walks miss the scene, the number of walks is bounded rather than the number of lights reached.
-  constexpr double kMostWalksPerLight = 1000;
-  const auto n = static_cast<double>(params.n_lights);
-  const double walks = n_found > 0 ? n * kPilotWalks / static_cast<double>(n_found) : n * kMostWalksPerLight;
-  return static_cast<std::uint64_t>(std::max(1.0, std::round(std::min(walks, n * kMostWalksPerLight))));
+std::size_t blocks_at_once(const LightForecast& forecast) {
+  constexpr double kLightsAThread = 1 << 14, kMostBlocks = 1 << 14;
+  const double lights_a_block = static_cast<double>(kWalksPerBlock) * static_cast<double>(forecast.n_lights) /
+                                static_cast<double>(forecast.n_walks);
+  const int n_threads = allowed_threads();
+  return static_cast<std::size_t>(
+      std::clamp(n_threads * kLightsAThread / lights_a_block, 4.0 * n_threads, kMostBlocks));
 }
 
 void make_walk(const World& world, bool direct, Rng rng, Block& block) {

@@ -44,6 +44,7 @@ struct VirtualLights {
   };
   std::vector<Spot> spots;
   std::size_t size() const { return p.size(); }
+  std::uint64_t memory_bytes() const;
   /// Scalar size of light j's output, for choosing representatives and ordering: luminance of the peak intensity
   /// (directional: of the irradiance).
   float importance(const World& world, LightId j) const;
@@ -60,6 +61,15 @@ struct LightResult {
   std::uint64_t n_walks = 0, light_rays = 0;
 };
 
+/// What trace_lights() is about to make, judged from its pilot.
+struct LightForecast {
+  std::uint64_t n_walks = 0;
+  std::uint64_t n_lights = 0;  ///< hardly ever more: the expected number and three standard errors of the pilot's
+  std::uint64_t n_glossy = 0;  ///< of them
+  std::uint64_t memory_bytes() const;
+};
+LightForecast forecast_lights(const World& world, const LightParams& params);
+
 /// Photon-like walks from all emitters by power, BSDF sampling, Russian roulette; one light a vertex with wide lobes.
 /// Lights are ordered by walk. Number of walks is fixed beforehand from a pilot so that the estimate stays unbiased.
 /// Bounces go up to world.max_depth - 2: exact for receivers at depth 1; deeper receivers (behind mirrors or glass) see
@@ -71,6 +81,8 @@ void remove_direct(VirtualLights& lights);
 
 /// PLY point cloud; layout in docs/formats.md. Binary little endian when `binary`.
 void write_lights(const VirtualLights& lights, const Scene& scene, const std::string& path, bool binary);
+/// Number of lights that the file's header claims; 0 if it is not readable as one.
+std::uint64_t count_lights(const std::string& path);
 /// Reads what write_lights wrote, or any PLY with x y z nx ny nz r g b. @throws Error (input) with file:line or byte.
 VirtualLights read_lights(const std::string& path, const Scene& scene);
 

@@ -13,8 +13,8 @@
 namespace myrialux {
 namespace {
 
-/// One slice of this many is traced whole before the others; frames with fewer than kLeastSlices have no pilot.
-constexpr std::size_t kPilotStride = 64, kLeastSlices = 8;
+/// Frames with fewer slices have no pilot.
+constexpr std::size_t kLeastSlices = 8;
 
 /// What one slice leaves behind for the statistics.
 struct SliceReport {

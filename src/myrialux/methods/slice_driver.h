@@ -11,6 +11,9 @@ namespace myrialux {
 /// From a slice's entry source to all its bits: the stage in which slice methods differ. `visible` is all 0 at entry.
 using CompleteSlice = std::function<CompletionStats(EntrySource& source, Rng& rng, BitMatrix& visible)>;
 
+/// One slice of this many is a slice of the pilot (see SliceMethod::guard), whose bits are kept through the frame.
+inline constexpr std::size_t kPilotStride = 64;
+
 struct SliceMethod {
   CompleteSlice complete;
   bool cull = true;  ///< entries whose transfer is zero are left out

@@ -6,6 +6,35 @@
 #include "myrialux/base/parallel.h"
 
 namespace myrialux {
+namespace {
+
+struct LayerKind {
+  std::string name;
+  std::vector<std::string> channels;
+  bool of_slices;  ///< only methods with slices have it
+};
+
+const std::vector<LayerKind>& layer_kinds() {
+  static const std::vector<LayerKind> kinds = {{"", {"R", "G", "B"}, false},
+                                               {"albedo", {"R", "G", "B"}, false},
+                                               {"normal", {"X", "Y", "Z"}, false},
+                                               {"depth", {"Z"}, false},
+                                               {"slice", {"id"}, true},
+                                               {"cut", {"size"}, true},
+                                               {"visibility", {"fraction"}, true}};
+  return kinds;
+}
+
+const LayerKind& layer_kind(const std::string& name) {
+  const auto& kinds = layer_kinds();
+  return *std::find_if(kinds.begin(), kinds.end(), [&](const LayerKind& kind) { return kind.name == name; });
+}
+
+bool is_wanted(const LayerKind& kind, const std::vector<std::string>& aovs) {
+  return kind.name.empty() || aovs.empty() || std::find(aovs.begin(), aovs.end(), kind.name) != aovs.end();
+}
+
+}  // namespace
 
 FrameState::FrameState(int width, int height, const Filter& filter)
     : width_(width), height_(height), filter_(filter), pixels_(std::size_t(width) * std::size_t(height)) {
@@ -13,14 +42,13 @@ FrameState::FrameState(int width, int height, const Filter& filter)
   weight_.resize(pixels_.size());
 }
 
-void FrameState::add_pass(const CameraSamples& samples, const Receivers& receivers, std::span<const Rgb> radiance,
-                          const MethodResult& method) {
-  accumulate(samples.position, radiance, width_, height_, samples.spp, filter_, sum_rgb_, weight_);
+void FrameState::add_first_hits(const CameraSamples& samples) {
   const std::size_t spp = static_cast<std::size_t>(samples.spp);
+  PixelSums* const pixels = pixels_.data() + static_cast<std::size_t>(samples.first_row) * std::size_t(width_);
   parallel_for(
-      pixels_.size(),
+      samples.size() / spp,
       [&](std::size_t i) {
-        PixelSums& pixel = pixels_[i];
+        PixelSums& pixel = pixels[i];
         for (std::size_t k = i * spp; k < (i + 1) * spp; ++k) {
           const Rgb albedo = samples.albedo[k];
           const Vec3 normal = samples.normal[k];
@@ -31,7 +59,15 @@ void FrameState::add_pass(const CameraSamples& samples, const Receivers& receive
         }
       },
       4096);
+}
+
+void FrameState::add_radiance(const CameraSamples& samples, std::span<const Rgb> radiance) {
+  accumulate(samples.position, radiance, width_, height_, samples.spp, filter_, sum_rgb_, weight_, samples.first_row);
+}
+
+void FrameState::add_slices(const Receivers& receivers, const MethodResult& method, int samples_a_pixel) {
   if (method.slice.empty()) return;
+  const std::size_t spp = static_cast<std::size_t>(samples_a_pixel);
   has_slices_ = true;
   // Receivers are ordered by camera sample, so those of a run of pixels lie together.
   constexpr std::size_t kPixels = 4096;
@@ -49,43 +85,42 @@ void FrameState::add_pass(const CameraSamples& samples, const Receivers& receive
   });
 }
 
+std::size_t FrameState::n_channels(const std::vector<std::string>& aovs, bool has_slices) {
+  std::size_t n = 0;
+  for (const LayerKind& kind : layer_kinds())
+    if (is_wanted(kind, aovs) && (has_slices || !kind.of_slices)) n += kind.channels.size();
+  return n;
+}
+
 Picture FrameState::picture(const std::vector<std::string>& aovs) const {
   Picture picture;
   picture.width = width_, picture.height = height_;
   // Pixel by pixel: `fill(pixel, out)` writes the layer's channels.
-  const auto add = [&](const std::string& name, std::vector<std::string> channels, auto&& fill) {
-    const std::size_t n = channels.size();
-    Picture::Layer& layer = picture.add_layer(name, std::move(channels));
+  const auto add = [&](const char* name, auto&& fill) {
+    const LayerKind& kind = layer_kind(name);
+    if (!is_wanted(kind, aovs) || (kind.of_slices && !has_slices_)) return;
+    const std::size_t n = kind.channels.size();
+    Picture::Layer& layer = picture.add_layer(name, kind.channels);
     parallel_for(
         pixels_.size(), [&](std::size_t i) { fill(i, pixels_[i], layer.pixels.data() + n * i); }, 4096);
   };
-  const auto wanted = [&](const char* name) {
-    return aovs.empty() || std::find(aovs.begin(), aovs.end(), name) != aovs.end();
-  };
   const auto mean = [](double sum, std::uint32_t n) { return n > 0 ? static_cast<float>(sum / n) : 0.0f; };
 
-  add("", {"R", "G", "B"}, [&](std::size_t i, const PixelSums&, float* out) {
+  add("", [&](std::size_t i, const PixelSums&, float* out) {
     // Filters with negative lobes can cancel where few samples fall; such a pixel has no defined value.
     for (int c = 0; c < 3; ++c)
       out[c] = weight_[i] != 0 ? static_cast<float>(sum_rgb_[3 * i + std::size_t(c)] / weight_[i]) : 0.0f;
   });
-  if (wanted("albedo"))
-    add("albedo", {"R", "G", "B"}, [&](std::size_t, const PixelSums& p, float* out) {
-      for (int c = 0; c < 3; ++c) out[c] = mean(p.albedo[c], p.n_samples);
-    });
-  if (wanted("normal"))
-    add("normal", {"X", "Y", "Z"}, [&](std::size_t, const PixelSums& p, float* out) {
-      for (int c = 0; c < 3; ++c) out[c] = mean(p.normal[c], p.n_samples);
-    });
-  if (wanted("depth"))
-    add("depth", {"Z"}, [&](std::size_t, const PixelSums& p, float* out) { out[0] = mean(p.depth, p.n_hits); });
-  if (!has_slices_) return picture;
-  if (wanted("slice")) add("slice", {"id"}, [&](std::size_t, const PixelSums& p, float* out) { out[0] = p.slice; });
-  if (wanted("cut"))
-    add("cut", {"size"}, [&](std::size_t, const PixelSums& p, float* out) { out[0] = mean(p.cut, p.n_receivers); });
-  if (wanted("visibility"))
-    add("visibility", {"fraction"},
-        [&](std::size_t, const PixelSums& p, float* out) { out[0] = mean(p.visibility, p.n_receivers); });
+  add("albedo", [&](std::size_t, const PixelSums& p, float* out) {
+    for (int c = 0; c < 3; ++c) out[c] = mean(p.albedo[c], p.n_samples);
+  });
+  add("normal", [&](std::size_t, const PixelSums& p, float* out) {
+    for (int c = 0; c < 3; ++c) out[c] = mean(p.normal[c], p.n_samples);
+  });
+  add("depth", [&](std::size_t, const PixelSums& p, float* out) { out[0] = mean(p.depth, p.n_hits); });
+  add("slice", [&](std::size_t, const PixelSums& p, float* out) { out[0] = p.slice; });
+  add("cut", [&](std::size_t, const PixelSums& p, float* out) { out[0] = mean(p.cut, p.n_receivers); });
+  add("visibility", [&](std::size_t, const PixelSums& p, float* out) { out[0] = mean(p.visibility, p.n_receivers); });
   return picture;
 }
 

@@ -13,12 +13,19 @@ class FrameState {
  public:
   FrameState(int width, int height, const Filter& filter);
 
-  /// @param radiance [n_samples] finished camera samples of one pass
-  void add_pass(const CameraSamples& samples, const Receivers& receivers, std::span<const Rgb> radiance,
-                const MethodResult& method);
+  /// What the camera samples met first. Those of one pass may come in parts, by rows of pixels, from the top down.
+  void add_first_hits(const CameraSamples& samples);
+  /// @param radiance [samples.size()] finished camera samples; in parts as above
+  void add_radiance(const CameraSamples& samples, std::span<const Rgb> radiance);
+  /// Slices, cuts and visibility of one pass. @param spp camera samples a pixel
+  void add_slices(const Receivers& receivers, const MethodResult& method, int spp);
 
   /// @param aovs names among albedo normal depth slice cut visibility; empty: all that are known
   Picture picture(const std::vector<std::string>& aovs) const;
+  /// Channels of that picture. @param has_slices whether add_slices() is called
+  static std::size_t n_channels(const std::vector<std::string>& aovs, bool has_slices);
+  /// Memory of the sums, for each pixel.
+  static std::size_t bytes_a_pixel() { return sizeof(PixelSums) + 4 * sizeof(double); }
 
  private:
   struct PixelSums {

@@ -5,18 +5,24 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "myrialux/base/clock.h"
 #include "myrialux/base/parallel.h"
+#include "myrialux/base/process.h"
 #include "myrialux/kernels/isa.h"
 #include "myrialux/pipeline/frame_state.h"
 #include "myrialux/pipeline/local_light.h"
+#include "myrialux/pipeline/memory.h"
 #include "myrialux/pipeline/parameters.h"
 #include "myrialux/reference/path_tracer.h"
 #include "myrialux/scene/load.h"
 
 namespace myrialux {
 namespace {
+
+/// The path tracer takes at most so many samples a pixel and pass, so that memory does not grow with --spp.
+constexpr int kPathSamplesAtOnce = 16;
 
 /// RenderParams with everything the scene decides filled in.
 struct Settings {
@@ -27,13 +33,26 @@ struct Settings {
 };
 Settings settle(const Scene& scene, const RenderParams& params);
 
-/// Predicted bytes of a many-light pass. @throws Error (limit) naming what to make smaller
-void check_memory(const Settings& settings, std::uint64_t scene_bytes);
+/// Keeps the promise of RenderParams::memory_limit: predicts before the frame what it will take, and again where a
+/// pass has more lights than foreseen.
+class MemoryGuard {
+ public:
+  MemoryGuard(const World& world, const Settings& settings);
+  /// @throws Error (limit)
+  void require() const;
+  void require_for(const VirtualLights& lights);
+  const FrameExtent& extent() const { return extent_; }
+  std::uint64_t predicted_bytes() const { return std::max(peak_, held_ + frame_bytes(extent_)); }
 
-void render_pass(const World& world, const Settings& settings, int pass, FrameState& frame, Progress& progress,
-                 RenderStats& stats);
-void render_path(const World& world, const Settings& settings, FrameState& frame, Progress& progress,
-                 RenderStats& stats);
+ private:
+  FrameExtent extent_;
+  std::uint64_t limit_, held_, peak_;
+};
+
+void render_pass(const World& world, const Settings& settings, int pass, MemoryGuard& memory, FrameState& frame,
+                 Progress& progress, RenderStats& stats);
+void render_path(const World& world, const Settings& settings, const FrameExtent& extent, FrameState& frame,
+                 Progress& progress, RenderStats& stats);
 
 void add_light_stats_means(RenderStats& stats);
 Metadata describe(const Scene& scene, const Settings& settings, const RenderStats& stats);
@@ -64,13 +83,15 @@ RenderOutput render(const Scene& scene, const RenderParams& params, Progress& pr
   stats.time_s["build"] = wall.lap();
   stats.memory.scene = tracer.memory_bytes();
 
+  MemoryGuard memory(world, settings);
+  stats.memory.predicted = memory.predicted_bytes();
+  memory.require();
   FrameState frame(settings.render.width, settings.render.height, settings.filter);
   if (!method.render) {
-    render_path(world, settings, frame, progress, stats);
+    render_path(world, settings, memory.extent(), frame, progress, stats);
   } else {
-    check_memory(settings, stats.memory.scene);
     for (int pass = 0; pass < settings.render.passes; ++pass)
-      render_pass(world, settings, pass, frame, progress, stats);
+      render_pass(world, settings, pass, memory, frame, progress, stats);
     add_light_stats_means(stats);
   }
   wall.lap();
@@ -119,40 +140,60 @@ Settings settle(const Scene& scene, const RenderParams& params) {
   return s;
 }
 
-void check_memory(const Settings& settings, std::uint64_t scene_bytes) {
-  const std::uint64_t limit = settings.render.memory_limit;
-  if (limit == 0) return;
-  // Bytes a receiver (with its slice order, result and kd-tree keys), a camera sample, a light with its tree.
-  constexpr std::uint64_t kReceiver = 200, kSample = 60, kLight = 260, kPixel = 150, kFixed = 100u << 20;
-  const std::uint64_t pixels = std::uint64_t(settings.render.width) * std::uint64_t(settings.render.height);
-  const std::uint64_t predicted = kFixed + 2 * scene_bytes +
-                                  pixels * (kPixel + (kReceiver + kSample) * std::uint64_t(settings.render.spp)) +
-                                  settings.render.n_lights * kLight;
-  if (predicted <= limit) return;
-  throw Error(ErrorKind::limit,
-              fmt::format("about {} MiB are needed but --memory-limit allows {} MiB; render fewer samples at once "
-                          "(--spp {} --passes {}), fewer lights (--vpls {}) or a smaller picture",
-                          predicted >> 20, limit >> 20, std::max(1, settings.render.spp / 4),
-                          settings.render.passes * std::min(4, settings.render.spp), settings.render.n_lights / 4));
+LightParams light_params(const RenderParams& params, int pass) {
+  return {.n_lights = params.n_lights,
+          .direct = params.direct == RenderParams::Direct::vpl,
+          .key = {params.seed, static_cast<std::uint32_t>(pass)}};
+}
+
+MemoryGuard::MemoryGuard(const World& world, const Settings& settings) : limit_(settings.render.memory_limit) {
+  const RenderParams& p = settings.render;
+  FrameExtent& e = extent_;
+  e.has_lights = p.method != "path", e.has_slices = e.has_lights && p.method != "brute-force";
+  e.has_pilot = p.method == "bamc" && settings.tuned.method.bamc_guard > 0;
+  e.width = p.width, e.height = p.height, e.passes = p.passes, e.n_threads = allowed_threads();
+  e.spp = e.has_lights ? p.spp : std::min(p.spp * p.passes, kPathSamplesAtOnce);
+  e.n_clusters = p.n_clusters, e.slice_rows = settings.tuned.method.slices.max_rows;
+  e.n_channels = FrameState::n_channels(p.aovs, e.has_slices);
+  std::error_code none;
+  if (e.has_lights && p.lights_file.empty()) {
+    const LightForecast forecast = forecast_lights(world, light_params(p, 0));
+    e.n_lights = forecast.n_lights, e.n_glossy = forecast.n_glossy;
+  } else if (e.has_lights) {
+    e.n_lights = e.n_glossy = count_lights(p.lights_file);
+    e.lights_file_bytes = std::max<std::uintmax_t>(1, std::filesystem::file_size(p.lights_file, none));
+  }
+  release_freed_memory();
+  held_ = resident_bytes(), peak_ = peak_rss_bytes();
+}
+
+void MemoryGuard::require() const {
+  if (limit_ > 0) require_memory(extent_, held_, peak_, limit_);
+}
+
+void MemoryGuard::require_for(const VirtualLights& lights) {
+  if (lights.size() <= extent_.n_lights && lights.glossy.size() <= extent_.n_glossy) return;
+  extent_.n_lights = std::max<std::uint64_t>(extent_.n_lights, lights.size());
+  extent_.n_glossy = std::max<std::uint64_t>(extent_.n_glossy, lights.glossy.size());
+  require();
 }
 
 /// Lights of bounce 0 stand for direct light; they go where direct light is sampled at the receivers.
-VirtualLights read_or_trace(const World& world, const Settings& settings, RandomKey key, Progress& progress,
+VirtualLights read_or_trace(const World& world, const Settings& settings, int pass, Progress& progress,
                             RenderStats& stats) {
-  const bool direct = settings.render.direct == RenderParams::Direct::vpl;
+  const LightParams params = light_params(settings.render, pass);
   if (!settings.render.lights_file.empty()) {
     VirtualLights lights = read_lights(settings.render.lights_file, world.scene);
-    if (!direct) remove_direct(lights);
+    if (!params.direct) remove_direct(lights);
     return lights;
   }
-  LightResult traced =
-      trace_lights(world, {.n_lights = settings.render.n_lights, .direct = direct, .key = key}, progress);
+  LightResult traced = trace_lights(world, params, progress);
   stats.rays.light += traced.light_rays;
   return std::move(traced.lights);
 }
 
-void render_pass(const World& world, const Settings& settings, int pass, FrameState& frame, Progress& progress,
-                 RenderStats& stats) {
+void render_pass(const World& world, const Settings& settings, int pass, MemoryGuard& memory, FrameState& frame,
+                 Progress& progress, RenderStats& stats) {
   const RenderParams& params = settings.render;
   const RandomKey key{params.seed, static_cast<std::uint32_t>(pass)};
   if (params.passes > 1) progress.note(fmt::format("pass {} of {}", pass + 1, params.passes));
@@ -165,7 +206,11 @@ void render_pass(const World& world, const Settings& settings, int pass, FrameSt
   stats.rays.camera += rows.camera_rays;
   stats.receivers += receivers.size();
   stats.time_s["receivers"] += wall.lap();
-  const VirtualLights lights = read_or_trace(world, settings, key, progress, stats);
+  frame.add_first_hits(rows.samples);
+  rows.samples.drop_layers();
+  stats.time_s["film"] += wall.lap();
+  const VirtualLights lights = read_or_trace(world, settings, pass, progress, stats);
+  memory.require_for(lights);
   stats.virtual_lights += lights.size();
   stats.time_s["lights"] += wall.lap();
 
@@ -197,7 +242,8 @@ void render_pass(const World& world, const Settings& settings, int pass, FrameSt
   parallel_for(
       receivers.size(), [&](std::size_t i) { radiance[receivers.sample[i]] += receivers.beta[i] * result.radiance[i]; },
       4096);
-  frame.add_pass(rows.samples, receivers, radiance, result);
+  frame.add_radiance(rows.samples, radiance);
+  frame.add_slices(receivers, result, params.spp);
   stats.time_s["film"] += wall.lap();
   ++stats.passes;
   if (rows.inside_walls * 10 > rows.samples.size() * 9 && pass == 0)
@@ -206,25 +252,28 @@ void render_pass(const World& world, const Settings& settings, int pass, FrameSt
         "move it (--look-at) or make the material two-sided");
 }
 
-void render_path(const World& world, const Settings& settings, FrameState& frame, Progress& progress,
-                 RenderStats& stats) {
-  // A pass holds few samples a pixel, so that memory does not grow with --spp.
-  constexpr int kSamplesAtOnce = 16;
+void render_path(const World& world, const Settings& settings, const FrameExtent& extent, FrameState& frame,
+                 Progress& progress, RenderStats& stats) {
   const RenderParams& params = settings.render;
   Stopwatch wall;
   std::uint32_t pass = 0;
-  for (int left = params.passes * params.spp; left > 0; left -= kSamplesAtOnce, ++pass) {
-    const PathSamples paths = trace_paths(world,
-                                          {.width = params.width,
-                                           .height = params.height,
-                                           .spp = std::min(left, kSamplesAtOnce),
-                                           .key = {params.seed, pass}},
-                                          progress);
-    stats.rays.camera += paths.rays.closest;
-    stats.rays.shadow += paths.rays.occlusion;
-    stats.time_s["shade"] += wall.lap();
-    frame.add_pass(paths.samples, {}, paths.radiance, {});
-    stats.time_s["film"] += wall.lap();
+  for (int left = params.passes * params.spp; left > 0; left -= kPathSamplesAtOnce, ++pass) {
+    const ReceiverParams samples{.width = params.width,
+                                 .height = params.height,
+                                 .spp = std::min(left, kPathSamplesAtOnce),
+                                 .key = {params.seed, pass}};
+    const auto n_pixels = static_cast<std::uint64_t>(params.width) * static_cast<std::uint64_t>(params.height);
+    progress.stage("paths", n_pixels * static_cast<std::uint64_t>(samples.spp), "samples");
+    const int n_rows = path_rows_at_once(extent);
+    for (int y = 0; y < params.height; y += n_rows) {
+      const PathSamples paths = trace_path_rows(world, samples, y, std::min(params.height, y + n_rows), progress);
+      stats.rays.camera += paths.rays.closest;
+      stats.rays.shadow += paths.rays.occlusion;
+      stats.time_s["shade"] += wall.lap();
+      frame.add_first_hits(paths.samples);
+      frame.add_radiance(paths.samples, paths.radiance);
+      stats.time_s["film"] += wall.lap();
+    }
     ++stats.passes;
   }
 }

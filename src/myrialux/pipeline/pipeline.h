@@ -22,7 +22,7 @@ struct RenderParams {
   int passes = 1;
   std::uint64_t seed = 0;
   int threads = 0;                           ///< 0: all available
-  std::uint64_t memory_limit = 0;            ///< bytes; 0: none
+  std::uint64_t memory_limit = 0;            ///< bytes the process never exceeds; 0: none
   std::string lights_file;                   ///< read instead of traced
   std::map<std::string, std::string> extra;  ///< -D key=value
   Filter filter;                             ///< used if has_filter, else the scene's
@@ -36,8 +36,8 @@ struct RenderOutput {
   Metadata metadata;
 };
 
-/// @throws Error (usage: unknown method or key; input; limit: predicted memory above the limit, naming a smaller
-/// setting)
+/// @throws Error (usage: unknown method or key; input; limit: the process would take more than memory_limit, naming
+/// settings that fit; thrown before the frame, or after a pass's lights are known should they be more than foreseen)
 RenderOutput render(const Scene& scene, const RenderParams& params, Progress& progress);
 
 /// Half the diagonal of the box that holds the middle 96 % of the receivers along each axis: a scene size that one far

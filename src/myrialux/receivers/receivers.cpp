@@ -1,8 +1,8 @@
 // Rows of the light matrix: camera samples, followed through sharp lobes to where the wide lobes are chosen.
 #include "myrialux/receivers/receivers.h"
 
+#include <algorithm>
 #include <optional>
-#include <utility>
 
 #include "myrialux/base/parallel.h"
 #include "myrialux/transport/walk.h"
@@ -17,16 +17,16 @@ struct Reached {
   int depth = 0;
 };
 struct RowOfSamples {
-  Receivers receivers;
+  std::size_t n_receivers = 0;
   PathCounters rays;
   std::uint64_t inside_walls = 0;
 };
 std::optional<Reached> follow_sharp(const World& world, Ray ray, Rng& rng, std::size_t sample, CameraSamples& samples,
                                     RowOfSamples& row);
-void append(Receivers& to, const Reached& reached, std::size_t sample);
+void put(Receivers& to, std::size_t i, const Reached& reached, std::size_t sample);
 void record_first_hit(const Camera& camera, CameraSamples& samples, std::size_t sample, const Vertex& vertex);
-/// Joins rows in order, freeing each on the way.
-Receivers join(std::vector<RowOfSamples> rows);
+/// Moves the receivers of all rows together; row y's begin at y * samples_a_row.
+void close_gaps(Receivers& receivers, const std::vector<RowOfSamples>& rows, std::size_t samples_a_row);
 
 }  // namespace
 
@@ -42,9 +42,11 @@ ReceiverResult trace_receivers(const World& world, const ReceiverParams& params,
   samples.position.resize(n), samples.emission.resize(n), samples.albedo.resize(n), samples.normal.resize(n);
   samples.depth.assign(n, kInfinity);
 
-  // A row of pixels is a work item; rows are joined in order, so that threads do not show.
+  // A row of pixels is a work item with room for a receiver a sample; then the rows are moved together in order, so
+  // that threads do not show.
   progress.stage("receivers", n, "samples");
   std::vector<RowOfSamples> rows(height);
+  result.receivers.resize(n);
   parallel_for(height, [&](std::size_t y) {
     for (std::size_t sample = y * width * spp; sample < (y + 1) * width * spp; ++sample) {
       samples.position[sample] =
@@ -52,7 +54,7 @@ ReceiverResult trace_receivers(const World& world, const ReceiverParams& params,
       const Ray ray = camera_ray(world.scene.camera, params.width, params.height, samples.position[sample]);
       Rng rng(params.key, Stage::receiver, sample);
       if (const auto reached = follow_sharp(world, ray, rng, sample, samples, rows[y]))
-        append(rows[y].receivers, *reached, sample);
+        put(result.receivers, y * width * spp + rows[y].n_receivers++, *reached, sample);
     }
     progress.advance(width * spp);
   });
@@ -60,7 +62,7 @@ ReceiverResult trace_receivers(const World& world, const ReceiverParams& params,
     result.camera_rays += row.rays.closest, result.shadow_rays += row.rays.occlusion;
     result.inside_walls += row.inside_walls;
   }
-  result.receivers = join(std::move(rows));
+  close_gaps(result.receivers, rows, width * spp);
   return result;
 }
 
@@ -78,10 +80,21 @@ Vertex receiver_vertex(const World& world, const Receivers& receivers, std::size
   return vertex;
 }
 
+namespace {
+
+/// f(array) for each array of the receivers.
+template <class F>
+void for_each_array(Receivers& r, const F& f) {
+  f(r.p), f(r.offset), f(r.ng), f(r.n), f(r.wo), f(r.bsdf), f(r.beta), f(r.sample), f(r.depth), f(r.inside);
+}
+
+}  // namespace
+
 void Receivers::reserve(std::size_t count) {
-  p.reserve(count), offset.reserve(count), ng.reserve(count), n.reserve(count), wo.reserve(count), bsdf.reserve(count),
-      beta.reserve(count);
-  sample.reserve(count), depth.reserve(count), inside.reserve(count);
+  for_each_array(*this, [&](auto& array) { array.reserve(count); });
+}
+void Receivers::resize(std::size_t count) {
+  for_each_array(*this, [&](auto& array) { array.resize(count); });
 }
 
 namespace {
@@ -115,20 +128,20 @@ std::optional<Reached> follow_sharp(const World& world, Ray ray, Rng& rng, std::
   return std::nullopt;
 }
 
-void append(Receivers& to, const Reached& reached, std::size_t sample) {
+void put(Receivers& to, std::size_t i, const Reached& reached, std::size_t sample) {
   const Vertex& v = reached.vertex;
   const bool inside = dot(v.n, v.wo) < 0;
-  to.p.push_back(v.surface.p);
-  to.offset.push_back(v.surface.offset);
   const Vec3 n = inside ? -v.n : v.n;
-  to.ng.push_back(dot(v.surface.ng, n) < 0 ? -v.surface.ng : v.surface.ng);
-  to.n.push_back(n);
-  to.wo.push_back(v.wo);
-  to.bsdf.push_back(v.params);
-  to.beta.push_back(reached.beta);
-  to.sample.push_back(static_cast<std::uint32_t>(sample));
-  to.depth.push_back(static_cast<std::uint8_t>(std::min(reached.depth, 255)));
-  to.inside.push_back(inside);
+  to.p[i] = v.surface.p;
+  to.offset[i] = v.surface.offset;
+  to.ng[i] = dot(v.surface.ng, n) < 0 ? -v.surface.ng : v.surface.ng;
+  to.n[i] = n;
+  to.wo[i] = v.wo;
+  to.bsdf[i] = v.params;
+  to.beta[i] = reached.beta;
+  to.sample[i] = static_cast<std::uint32_t>(sample);
+  to.depth[i] = static_cast<std::uint8_t>(std::min(reached.depth, 255));
+  to.inside[i] = inside;
 }
 
 void record_first_hit(const Camera& camera, CameraSamples& samples, std::size_t sample, const Vertex& vertex) {
@@ -137,23 +150,18 @@ void record_first_hit(const Camera& camera, CameraSamples& samples, std::size_t 
   samples.depth[sample] = length(vertex.surface.p - camera.to_world.point({}));
 }
 
-template <class T>
-void append_all(std::vector<T>& to, const std::vector<T>& from) {
-  to.insert(to.end(), from.begin(), from.end());
-}
-
-Receivers join(std::vector<RowOfSamples> rows) {
+void close_gaps(Receivers& receivers, const std::vector<RowOfSamples>& rows, std::size_t samples_a_row) {
   std::size_t n = 0;
-  for (const RowOfSamples& row : rows) n += row.receivers.size();
-  Receivers all;
-  all.reserve(n);
-  for (RowOfSamples& row : rows) {
-    const Receivers r = std::exchange(row.receivers, {});
-    append_all(all.p, r.p), append_all(all.offset, r.offset), append_all(all.ng, r.ng), append_all(all.n, r.n);
-    append_all(all.wo, r.wo), append_all(all.bsdf, r.bsdf), append_all(all.beta, r.beta);
-    append_all(all.sample, r.sample), append_all(all.depth, r.depth), append_all(all.inside, r.inside);
-  }
-  return all;
+  for (const RowOfSamples& row : rows) n += row.n_receivers;
+  for_each_array(receivers, [&](auto& array) {
+    auto end = array.begin();
+    for (std::size_t y = 0; y < rows.size(); ++y) {
+      const auto begin = array.begin() + static_cast<std::ptrdiff_t>(y * samples_a_row);
+      const auto count = static_cast<std::ptrdiff_t>(rows[y].n_receivers);
+      end = begin == end ? end + count : std::copy_n(begin, count, end);
+    }
+    array.resize(n);
+  });
 }
 
 }  // namespace

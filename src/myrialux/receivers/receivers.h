@@ -10,7 +10,7 @@
 
 namespace myrialux {
 
-/// All arrays have length size(). About 90 bytes a receiver.
+/// All arrays have length size().
 struct Receivers {
   std::vector<Vec3> p;        ///< on the surface
   std::vector<float> offset;  ///< see SurfacePoint::offset
@@ -24,18 +24,32 @@ struct Receivers {
   std::vector<std::uint8_t> inside;   ///< 1: seen from the back of a one-sided (refracting) material: local wo.z < 0
   std::size_t size() const { return p.size(); }
   void reserve(std::size_t n);
+  void resize(std::size_t n);
 };
+/// Memory of one receiver.
+inline constexpr std::size_t kReceiverBytes =
+    4 * sizeof(Vec3) + sizeof(float) + sizeof(BsdfParams) + sizeof(Rgb) + sizeof(std::uint32_t) + 2;
 
 /// What a camera sample saw on its way, for film and AOVs; indexed by camera sample.
 struct CameraSamples {
   int width = 0, height = 0, spp = 0;
+  int first_row = 0;           ///< of the picture's rows of pixels that the samples belong to
   std::vector<Vec2> position;  ///< on the film, pixels from the top left
   std::vector<Rgb> emission;   ///< emission and environment seen directly or through sharp lobes, weighted
   std::vector<Rgb> albedo;     ///< at the first hit
   std::vector<Vec3> normal;    ///< at the first hit, world; 0 for none
   std::vector<float> depth;    ///< distance to the first hit, infinity for none
   std::size_t size() const { return position.size(); }
+  /// Frees what only the layers need: albedo, normal, depth.
+  void drop_layers() {
+    std::vector<Rgb>().swap(albedo);
+    std::vector<Vec3>().swap(normal);
+    std::vector<float>().swap(depth);
+  }
 };
+/// Memory of one camera sample: what is kept to the end of a pass, and what only the layers need.
+inline constexpr std::size_t kSampleBytes = sizeof(Vec2) + sizeof(Rgb),
+                             kSampleLayerBytes = sizeof(Rgb) + sizeof(Vec3) + sizeof(float);
 
 struct ReceiverParams {
   int width = 0, height = 0, spp = 1;

@@ -15,24 +15,32 @@ int passes_for(int spp) {
   return n;
 }
 
-void trace_sample(const World& world, const ReceiverParams& params, std::size_t sample, PathSamples& out,
+/// @param sample of the whole picture; @param k its place in `out`
+void trace_sample(const World& world, const ReceiverParams& params, std::size_t sample, std::size_t k, PathSamples& out,
                   PathCounters& rays);
 
 }  // namespace
 
 PathSamples trace_paths(const World& world, const ReceiverParams& params, Progress& progress) {
+  const auto n = static_cast<std::uint64_t>(params.width) * static_cast<std::uint64_t>(params.height);
+  progress.stage("paths", n * static_cast<std::uint64_t>(params.spp), "samples");
+  return trace_path_rows(world, params, 0, params.height, progress);
+}
+
+PathSamples trace_path_rows(const World& world, const ReceiverParams& params, int y_begin, int y_end,
+                            Progress& progress) {
   PathSamples out;
   out.samples.width = params.width, out.samples.height = params.height, out.samples.spp = params.spp;
-  const auto height = static_cast<std::size_t>(params.height);
+  out.samples.first_row = y_begin;
+  const auto n_rows = static_cast<std::size_t>(y_end - y_begin);
   const std::size_t per_row = static_cast<std::size_t>(params.width) * static_cast<std::size_t>(params.spp);
-  const std::size_t n = per_row * height;
+  const std::size_t n = per_row * n_rows, first = per_row * static_cast<std::size_t>(y_begin);
   out.samples.position.resize(n), out.samples.emission.resize(n), out.samples.albedo.resize(n);
   out.samples.normal.resize(n), out.samples.depth.assign(n, kInfinity), out.radiance.resize(n);
-  std::vector<PathCounters> rays(height);
-  progress.stage("paths", n, "samples");
-  parallel_for(height, [&](std::size_t y) {
-    for (std::size_t sample = y * per_row; sample < (y + 1) * per_row; ++sample)
-      trace_sample(world, params, sample, out, rays[y]);
+  std::vector<PathCounters> rays(n_rows);
+  parallel_for(n_rows, [&](std::size_t y) {
+    for (std::size_t k = y * per_row; k < (y + 1) * per_row; ++k)
+      trace_sample(world, params, first + k, k, out, rays[y]);
     progress.advance(per_row);
   });
   for (const PathCounters& r : rays) out.rays += r;
@@ -79,20 +87,20 @@ Picture to_picture(const PathTracerResult& result) {
 
 namespace {
 
-void trace_sample(const World& world, const ReceiverParams& params, std::size_t sample, PathSamples& out,
+void trace_sample(const World& world, const ReceiverParams& params, std::size_t sample, std::size_t k, PathSamples& out,
                   PathCounters& rays) {
   const auto spp = static_cast<std::size_t>(params.spp);
   const Vec2 position =
       film_position(params.width, sample / spp, static_cast<int>(sample % spp), params.spp, params.key);
   const Ray ray = camera_ray(world.scene.camera, params.width, params.height, position);
   Rng rng(params.key, Stage::path, sample);
-  out.samples.position[sample] = position;
+  out.samples.position[k] = position;
   FirstHit first;
-  out.radiance[sample] = path_radiance(world, ray, 0, rng, rays, &first);
+  out.radiance[k] = path_radiance(world, ray, 0, rng, rays, &first);
   if (!first.any) return;
-  out.samples.albedo[sample] = first.albedo;
-  out.samples.normal[sample] = first.n;
-  out.samples.depth[sample] = length(first.p - world.scene.camera.to_world.point({}));
+  out.samples.albedo[k] = first.albedo;
+  out.samples.normal[k] = first.n;
+  out.samples.depth[k] = length(first.p - world.scene.camera.to_world.point({}));
 }
 
 }  // namespace

@@ -17,6 +17,12 @@ struct PathSamples {
 /// Traces params.spp stratified paths a pixel. Same bits for any number of threads.
 PathSamples trace_paths(const World& world, const ReceiverParams& params, Progress& progress);
 
+/// The same for the pixels of rows [y_begin, y_end) only; calls progress.advance() alone.
+PathSamples trace_path_rows(const World& world, const ReceiverParams& params, int y_begin, int y_end,
+                            Progress& progress);
+/// Memory of one sample of it.
+inline constexpr std::size_t kPathSampleBytes = kSampleBytes + kSampleLayerBytes + sizeof(Rgb);
+
 struct PathTracerParams {
   int width = 0, height = 0, spp = 16;
   Filter filter;

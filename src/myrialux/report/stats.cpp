@@ -3,6 +3,7 @@
 
 #include <sys/resource.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "myrialux/base/output_file.h"
@@ -71,7 +72,10 @@ std::string to_json(const RenderStats& s) {
         {"compensation", s.rays.compensation}}},
       {"time_s", times_json(s.time_s)},
       {"memory_bytes",
-       {{"peak_rss", s.memory.peak_rss}, {"scene", s.memory.scene}, {"slices_peak", s.memory.slices_peak}}},
+       {{"peak_rss", s.memory.peak_rss},
+        {"predicted", s.memory.predicted > 0 ? Json(s.memory.predicted) : Json(nullptr)},
+        {"scene", s.memory.scene},
+        {"slices_peak", s.memory.slices_peak}}},
       {"error", {{"estimate", measured(s.error_estimate)}, {"confidence", measured(s.error_confidence)}}},
       {"clamped_energy_fraction", measured(s.clamped_energy_fraction)},
       {"warnings", s.warnings}};
@@ -80,6 +84,12 @@ std::string to_json(const RenderStats& s) {
 }
 
 std::uint64_t peak_rss_bytes() {
+  // getrusage() would also count the program that started this one: its memory at the time of exec().
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    std::uint64_t kib = 0;
+    if (word == "VmHWM:" && status >> kib) return kib * 1024;
+  }
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;  // Linux counts in KiB

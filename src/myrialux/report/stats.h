@@ -30,6 +30,7 @@ struct RenderStats {
   std::map<std::string, double> time_s;
   struct Memory {
     std::uint64_t peak_rss = 0, scene = 0, slices_peak = 0;
+    std::uint64_t predicted = 0;  ///< what the process was to take at most; 0: not predicted
   } memory;
   double error_estimate = -1, error_confidence = -1;  ///< -1: not measured
   double clamped_energy_fraction = -1;

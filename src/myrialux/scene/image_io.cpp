@@ -22,6 +22,7 @@ int kept_channels(int n) { return n >= 4 ? 4 : n == 3 ? 3 : 1; }
 std::optional<Image> read_image(const std::string& path, bool raw, float gamma, std::string& what) {
   std::error_code code;
   if (!std::filesystem::is_regular_file(path, code)) return what = "does not exist", std::nullopt;
+  OIIO::attribute("exr_threads", -1);  // else one a processor, kept to the end of the process
   OIIO::ImageSpec config;
   config.attribute("oiio:UnassociatedAlpha", 1);  // colours are not multiplied by alpha
   const auto input = OIIO::ImageInput::open(path, &config);

@@ -1,0 +1,33 @@
+// How much memory a frame takes at most, stage by stage, and which smaller settings would fit a limit.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace myrialux {
+
+/// What the memory of a frame depends on. Bytes are those beside what is held before the frame begins.
+struct FrameExtent {
+  bool has_lights = true, has_slices = true;  ///< brute-force has no slices, path neither
+  bool has_pilot = false;                     ///< some slices' bits are kept (SliceMethod::guard)
+  int width = 0, height = 0, spp = 1, passes = 1;
+  std::uint64_t n_lights = 0, n_glossy = 0;  ///< virtual lights of a pass, and how many of them are glossy
+  std::uint64_t lights_file_bytes = 0;       ///< 0: they are traced
+  std::uint32_t n_clusters = 0, slice_rows = 0;
+  std::size_t n_channels = 0;  ///< of the picture
+  int n_threads = 1;
+};
+
+/// The largest sum of what lives at the same time, an allowance for libraries and the allocator included.
+std::uint64_t frame_bytes(const FrameExtent& frame);
+
+/// Rows of pixels that the path tracer holds at once.
+int path_rows_at_once(const FrameExtent& frame);
+
+/// @param held_bytes by the process before the frame; @param peak_bytes it has held at most so far
+/// @throws Error (limit) if the frame would take the process above limit_bytes: how much is needed, and for what;
+/// which smaller settings fit
+void require_memory(const FrameExtent& frame, std::uint64_t held_bytes, std::uint64_t peak_bytes,
+                    std::uint64_t limit_bytes);
+
+}  // namespace myrialux
