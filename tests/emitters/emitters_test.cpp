@@ -210,31 +210,44 @@ std::vector<Setting> one_of_each() {
   return worlds;
 }
 
-TEST(Emission, MeanPowerIsTheEmittersPower) {
-  for (const Setting& w : one_of_each()) {
-    const Emitters e = w.emitters();
-    test::Sample green;
-    for (int i = 0; i < 20'000; ++i) {
-      Rng rng({1, 0}, Stage::test, static_cast<std::uint64_t>(i));
-      const float pick = rng.next();
-      const Vec2 a = next_2d(rng), b = next_2d(rng);
-      const EmissionSample s = e.sample_emission(pick, a, b);
-      green.add(s.power.g);
-      ASSERT_NEAR(length(s.ray.direction), 1, 1e-5f);
-      if (s.kind == EmissionSample::Kind::area) {
-        ASSERT_GE(dot(s.ray.direction, s.n), 0);
-        ASSERT_NEAR(s.power.g, s.light.g * kPi, 1e-3f * s.power.g);
-        ASSERT_GT(s.offset, 0);
-      }
-      if (s.kind == EmissionSample::Kind::distant) {
-        ASSERT_LT(length(s.n - s.ray.direction), 1e-5f);
-      }
+/// @param slack relative error that is not noise
+void expect_mean_power(const Setting& w, double slack) {
+  const Emitters e = w.emitters();
+  test::Sample green;
+  for (int i = 0; i < 20'000; ++i) {
+    Rng rng({1, 0}, Stage::test, static_cast<std::uint64_t>(i));
+    const float pick = rng.next();
+    const Vec2 a = next_2d(rng), b = next_2d(rng);
+    const EmissionSample s = e.sample_emission(pick, a, b);
+    green.add(s.power.g);
+    ASSERT_NEAR(length(s.ray.direction), 1, 1e-5f);
+    if (s.kind == EmissionSample::Kind::area) {
+      ASSERT_GE(dot(s.ray.direction, s.n), 0);
+      ASSERT_NEAR(s.power.g, s.light.g * kPi, 1e-3f * s.power.g);
+      ASSERT_GT(s.offset, 0);
     }
-    const double expected = e.power().g;
-    // constant weights leave only rounding; the table of an environment map takes patches' means (1 %)
-    const double slack = w.b.scene.emitters[0].kind.index() == 2 ? 0.01 * expected : 2e-4 * expected;
-    EXPECT_NEAR(green.mean, expected, slack + 4 * std::sqrt(green.variance_of_mean()));
+    if (s.kind == EmissionSample::Kind::distant) {
+      ASSERT_LT(length(s.n - s.ray.direction), 1e-5f);
+    }
   }
+  const double expected = e.power().g;
+  EXPECT_NEAR(green.mean, expected, slack * expected + 4 * std::sqrt(green.variance_of_mean()));
+}
+
+TEST(Emission, MeanPowerIsTheEmittersPower) {
+  // constant weights leave only rounding; the table of an environment map takes patches' means (1 %)
+  for (const Setting& w : one_of_each()) expect_mean_power(w, w.b.scene.emitters[0].kind.index() == 2 ? 0.01 : 2e-4);
+}
+
+TEST(Emission, MeanPowerOfSeveralEmittersIsTheirSum) {
+  const Rgb red{3, 1, 0.5f}, blue{0.5f, 1, 3};
+  std::vector<Setting> pairs(4);  // a disc beside one of each way to start
+  for (Setting& w : pairs) w.add_quadric(Quadric::Kind::disk, Transform::translate({0, 0, -1}), red);
+  pairs[0].add_quadric(Quadric::Kind::sphere, Transform::translate({0, 0, 2}), blue);
+  pairs[1].add(PointEmitter{{0, 0, 2}, blue});
+  pairs[2].add(DirectionalEmitter{{0, 0, -1}, blue});
+  pairs[3].add(ConstantEmitter{blue});
+  for (const Setting& w : pairs) expect_mean_power(w, 2e-4);
 }
 
 TEST(Emission, AreaPointsAreUniformAndDirectionsFollowTheCosine) {
