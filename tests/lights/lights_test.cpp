@@ -49,6 +49,23 @@ TEST(VirtualLights, FurnaceKeepsAlbedoOfThePowerAtEachBounce) {
   }
 }
 
+/// Under a sun straight above, the power that a flat wall reflects is that which a wall with tilted normals would
+/// receive: |wi . n| / |wi . ng| = cos(tilt) of it [veach97, eq. 5.19].
+TEST(VirtualLights, TiltedNormalsTakeTheirCosine) {
+  const auto lights_on_wall = [](Vec3 n) {
+    test::SceneBuilder b;
+    b.rectangle({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, b.diffuse(gray(0.5f)));
+    b.scene.meshes.back().normals.assign(4, n);
+    b.emitter("sun", DirectionalEmitter{{0, 0, -1}, gray(2)});
+    TestWorld t(b.scene, 3);  // no light after the first bounce
+    return trace(t.world, 500, false, 1).lights;
+  };
+  const VirtualLights flat = lights_on_wall({0, 0, 1}), tilted = lights_on_wall({0.6f, 0, 0.8f});
+  ASSERT_GT(flat.size(), 100u);
+  ASSERT_EQ(flat.size(), tilted.size());  // the same walks meet the same wall
+  for (std::size_t j = 0; j < flat.size(); ++j) EXPECT_FLOAT_EQ(tilted.light[j].g, 0.8f * flat.light[j].g);
+}
+
 TEST(VirtualLights, EmissionAddsUpToThePowerOfAllEmittersAndFallsWithEachBounce) {
   test::SceneBuilder b = test::cornell_builder();
   b.area_emitter(b.sphere({0.5f, 0.3f, 0.3f}, 0.1f, b.diffuse(gray(0.2f))), {5, 9, 20});

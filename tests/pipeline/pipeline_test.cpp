@@ -102,6 +102,8 @@ TEST(Pipeline, PassesAverage) {
   const RenderOutput out = render(test::cornell_box(), p, silent);
   EXPECT_EQ(out.stats.passes, 3u);
   for (const float v : out.picture.find("")->pixels) EXPECT_TRUE(std::isfinite(v));
+  p.passes = 1;  // would be the same picture if all passes drew the same numbers
+  EXPECT_NE(beauty(test::cornell_box(), p), out.picture.find("")->pixels);
 }
 
 TEST(Pipeline, LayersAreThere) {

@@ -144,6 +144,30 @@ TEST(Residual, IsZeroWhereVirtualLightsCarryEverything) {
   }
 }
 
+TEST(Residual, WeighsItsPathAgainstAllEmitterSamples) {
+  // Walls that glow evenly: emitter samples and the residual's path find the light about equally often, and together
+  // bring the albedo.
+  const float albedo = 0.7f;
+  TestWorld t(test::furnace_sphere(albedo), 2);
+  PathCounters counters;
+  for (const int n_samples : {1, 2, 8}) {
+    Sample sum;
+    for (int k = 0; k < 20'000; ++k) {
+      Rng rng({14, 0}, Stage::test, static_cast<std::uint64_t>(k));
+      const Vec3 direction = normalize(Vec3{rng.next() - 0.5f, rng.next() - 0.5f, rng.next() - 0.5f});
+      const auto hit = t.tracer.closest({{}, direction, kInfinity});
+      ASSERT_TRUE(hit);
+      const Vertex vertex = make_vertex(t.world, *hit, -direction);
+      const ResidualParams params{
+          .clamp_distance = 0, .direct_by_sampling = true, .direct_samples = n_samples, .depth = 1};
+      sum.add(
+          static_cast<double>(mean(next_event(t.world, vertex, Lobes::wide, /*mis=*/true, rng, counters, n_samples) +
+                                   residual_radiance(t.world, vertex, params, rng, counters))));
+    }
+    EXPECT_LT(std::fabs(z_score(sum, static_cast<double>(albedo))), 4) << n_samples << " samples: " << sum.mean;
+  }
+}
+
 TEST(Residual, ClampedBeyondTheSceneIsNearlyAllOfTheLight) {
   TestWorld t(test::cornell_box(), 5);
   const Vec3 origin = t.scene.camera.to_world.point({});
