@@ -190,8 +190,8 @@ TEST(Mesh, CubeFacesLookOutwards) {
   EXPECT_EQ(cube.positions[23], (Vec3{-1, 1, -1}));
 }
 
-/// A file of `n` meshes as Mitsuba 0.6 writes it; mesh i is a triangle shifted by i along x.
-std::string serialized_file(int n, std::uint16_t version, bool in_double) {
+/// A file of `n` meshes as Mitsuba 0.6 writes it; mesh i is a triangle (0, 1, last) of 3 vertices shifted by i along x.
+std::string serialized_file(int n, std::uint16_t version, bool in_double, std::uint32_t last = 2) {
   std::string file;
   std::vector<std::uint64_t> offsets;
   for (int i = 0; i < n; ++i) {
@@ -210,7 +210,7 @@ std::string serialized_file(int n, std::uint16_t version, bool in_double) {
     for (int v = 0; v < 3; ++v)
       for (const double x : {0.0, 0.0, 1.0}) number(x);
     for (const double x : {0.0, 0.0, 1.0, 0.0, 0.0, 1.0}) number(x);
-    for (const std::uint32_t v : {0u, 1u, 2u}) append(body, v, false);
+    for (const std::uint32_t v : {0u, 1u, last}) append(body, v, false);
     std::vector<Bytef> packed(compressBound(body.size()));
     uLongf size = packed.size();
     compress(packed.data(), &size, reinterpret_cast<const Bytef*>(body.data()), body.size());
@@ -261,6 +261,7 @@ TEST(Serialized, WrongIndexVersionAndLengthAreTold) {
   std::string damaged = good;
   damaged[16] = static_cast<char>(damaged[16] ^ 0x55);
   EXPECT_NE(message(damaged, 0), "");
+  EXPECT_EQ(message(serialized_file(2, 4, false, 3), 0), "a face names vertex 3; allowed: 0 to 2");
 }
 
 TEST(Sha256, DigestsAreThoseOfTheStandard) {

@@ -1,0 +1,244 @@
+#!/usr/bin/env python3
+"""Breaks the code on purpose, one small defect at a time, and asks whether the tests notice.
+
+Works on a copy of the working tree (build/mutate/tree), never on the tree itself. Each defect is one replaced text, one
+test program that is built with it, and the tests of it that must then fail:
+  CAUGHT   they fail                     MISSED   they pass: a test is missing
+  STALE    the text is not found exactly once, the code no longer compiles, or the tests do not run on sound code
+Exit status 1 if any defect is MISSED or STALE. A first run compiles most of the library (ccache helps the next ones).
+
+usage: tools/break_the_code.py [--list] [-j N] [WORD ...]     WORD: only defects whose file or text contains it
+"""
+import argparse
+import collections
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+TREE, BUILD = ROOT / "build/mutate/tree", ROOT / "build/mutate/build"
+TEST_LIMIT_S = 300  # a defect may turn a loop endless: as in ctest, that counts as failing
+
+# what is broken | file below src/myrialux | text | replacement | test program | tests that must fail
+Defect = collections.namedtuple("Defect", "what file old new program tests")
+DEFECTS = [Defect(*d) for d in [
+    ("streams of two stages are the same", "base/rng.h",
+     "key.pass | static_cast<std::uint32_t>(stage) << 24", "key.pass", "base", "Rng.*"),
+    ("a box filter counts samples on an edge twice", "math/filter.cpp",
+     "x >= -radius && x < radius", "x >= -radius && x <= radius", "math", "Filter.*"),
+    ("points gather at one corner of a triangle", "math/warp.h",
+     "const float root = std::sqrt(u.x);", "const float root = u.x;", "math", "Warp.*"),
+    ("entries of weight 0 are drawn", "math/distribution.cpp",
+     "std::upper_bound(", "std::lower_bound(", "math", "Distribution1D.*"),
+    ("a word of 64 rows counts as empty", "matrix/bit_ops.h",
+     "return n >= 64 ? ~std::uint64_t{0}", "return n > 64 ? ~std::uint64_t{0}", "matrix", "*BitMatrix*"),
+    ("a face may name the vertex after the last", "scene/serialized.cpp",
+     "if (v >= mesh.positions.size())", "if (v > mesh.positions.size())", "scene", "Serialized.*"),
+    ("the loader takes an opacity of any size", "scene/mitsuba_bsdfs.cpp",
+     '"opacity", 0.5f, {0, 1, false, "0 to 1"}', '"opacity", 0.5f, {0, 9, false, "0 to 1"}', "scene", "*BrokenScene*"),
+    ("offsets forget the rounding of slivers", "scene/shape_point.cpp",
+     "extent * sliver * stretch", "extent * stretch", "trace", "Offset.*-*Slow*"),
+    ("offsets forget what an instance's transform rounds", "scene/shape_point.cpp",
+     "constexpr double kPlacementUlps = 5;", "constexpr double kPlacementUlps = 0;", "trace", "Offset.*-*Slow*"),
+    ("lanes that are off report hits", "trace/tracer.cpp",
+     "std::uint32_t blocked = blocked_lanes<N>(rays.tfar) & valid;",
+     "std::uint32_t blocked = blocked_lanes<N>(rays.tfar);", "trace", "Packets.*"),
+    ("lanes that are off are traced", "trace/tracer.cpp",
+     "lanes[k] = (valid & (1u << k)) ? -1 : 0;\n  RayPacket", "lanes[k] = -1;\n  RayPacket", "trace", "Packets.*"),
+    ("all lanes share the first one's cut-outs", "trace/masks.cpp",
+     "context->origin(lane), context->direction(lane)", "context->origin(lane), context->direction(0)", "trace",
+     "Packets.*"),
+    ("a varnish lets light in for nothing", "scattering/plastic.cpp",
+     "coat_transmittance(bsdf, wi.z) * coat_transmittance(bsdf, wo.z)", "coat_transmittance(bsdf, wo.z)", "scattering",
+     "Bsdf.*"),
+    ("density of a metal's facets without the change of variables", "scattering/conductor.cpp",
+     "alpha, wo, m) / (4 * dot(wi, m));", "alpha, wo, m) / (4 * wi.z);", "scattering", "*BsdfChiSquare*:Bsdf.*"),
+    ("refraction leaves radiance unscaled", "scattering/dielectric.cpp",
+     "const float radiance_factor = 1 / (facet.eta * facet.eta);", "const float radiance_factor = 1;", "scattering",
+     "Bsdf.*"),
+    ("polarisations are not averaged", "scattering/fresnel.cpp",
+     "0.5f * (square(a_s) + square(a_p))", "square(a_s)", "scattering", "Fresnel.*"),
+    ("density of a sphere's cone by its small-angle form", "emitters/area.cpp",
+     "sine2 / (1 + std::sqrt(1 - sine2))", "sine2 / 2", "emitters", "Direct.*"),
+    ("density of environments without the sine", "emitters/environment.cpp",
+     "patches_.pdf_uv(at.uv) / (2 * kPi * kPi * at.sine)", "patches_.pdf_uv(at.uv) / (2 * kPi * kPi)", "emitters",
+     "Direct.*"),
+    ("lights are not divided by the probability of their emitter", "emitters/emitters.cpp",
+     "area.radiance(on.at.uv) * (1 / (on.pdf_area * selection))", "area.radiance(on.at.uv) * (1 / on.pdf_area)",
+     "emitters", "Emission.*"),
+    ("the residual's MIS weight forgets the number of emitter samples", "transport/walk.cpp",
+     "walk.light_samples * light_pdf_omega", "light_pdf_omega", "transport", "Residual.*"),
+    ("the residual is not divided by the probability of its lobe", "transport/residual.cpp",
+     "1 / sharp : missing / (1 - sharp)", "1 / sharp : missing", "reference", "*VirtualLightsEqual*-*Slow*"),
+    ("what clamping takes away falls linearly", "transport/walk.h",
+     "1 - (d * d) / (c * c)", "1 - d / c", "reference", "*VirtualLightsEqual*-*Slow*"),
+    ("receivers behind varnish are not divided by their probability", "receivers/receivers.cpp",
+     "walk.beta * (1 / (1 - sharp))", "walk.beta", "receivers", "Receivers.*"),
+    ("roulette of light walks loses power", "lights/virtual_lights.cpp",
+     "power = next * (1 / survival);", "power = next;", "lights", "VirtualLights.*"),
+    ("light that arrives across smooth normals is not corrected", "lights/virtual_lights.cpp",
+     "add_vertex(vertex, power * arrival, bounce", "add_vertex(vertex, power, bounce", "lights", "VirtualLights.*"),
+    ("glossy lights use the shading cosine", "transfer/transfer.cpp",
+     "std::fabs(dot(lights.ng[j], w) / wi.z)", "std::fabs(dot(lights.n[j], w) / wi.z)", "transfer", "Transfer.*"),
+    ("active rows: only one of the light's normals counts", "kernels/active_bits.cpp",
+     "Mask lit = hn::And(hn::Lt(from_ng, zero), hn::Lt(from_n, zero));", "Mask lit = hn::Lt(from_n, zero);", "kernels",
+     "ActiveBits.*"),
+    ("shadow rays start on the wrong side of the light", "kernels/shadow_ends.cpp",
+     "light_offset, back)", "light_offset, w)", "kernels", "ShadowEnds.*"),
+    ("clamped light is bounded by its distance, not its square", "kernels/shade_diffuse.cpp",
+     "const V bound = hn::Set(d, inverse_squared_clamp(run.clamp_distance));",
+     "const V bound = hn::Sqrt(hn::Set(d, inverse_squared_clamp(run.clamp_distance)));", "kernels", "*ShadeDiffuse*"),
+    ("cut bounds take the nearest corner behind a plane", "kernels/cut_bounds.cpp",
+     "hn::IfThenElse(hn::Lt(z, set(0)), r.far_squared,", "hn::IfThenElse(hn::Lt(z, set(0)), r.near_squared,",
+     "clusters", "*ClusterBound*:CutBounds.*"),
+    ("a bound leaves out the widest of the light cones", "clusters/bounds.cpp",
+     "c.cone_cos = node.cone_cos, c.cone_sin = sine(node.cone_cos);", "c.cone_cos = 1, c.cone_sin = 0;", "clusters",
+     "*ClusterBound*"),
+    ("slices ignore normals", "clusters/slices.cpp",
+     "m = receivers.n[i] * scale;", "m = receivers.n[i] * 0;", "clusters", "Slices.*"),
+    ("representatives are drawn evenly", "clusters/light_tree.cpp",
+     "rng.next() * node.importance < a.importance", "rng.next() < 0.5f", "clusters", "LightTree.*"),
+    ("columns are weighed by the number of their lights", "clusters/cut.cpp",
+     "columns.push_back({light, node.importance / tree.importance[index(light)],",
+     "columns.push_back({light, static_cast<float>(node.count),", "clusters", "LightCut.*"),
+    ("packets of scattered rows touch all lanes", "visibility/slice_visibility.cpp",
+     "static_cast<std::uint32_t>(low_bits(gathered.size))", "0xffffu", "visibility", "*"),
+    ("groups mix kinds of lights", "visibility/slice_visibility.cpp",
+     "kind * 8 + octant(", "octant(", "visibility", "SliceVisibility.*"),
+    ("complements match in any row", "completion/column_basis.cpp",
+     "opposite &= all_known && differ == omega[w];", "opposite &= all_known && differ != 0;", "completion",
+     "ColumnBasis.*"),
+    ("columns match where they are not known", "completion/column_basis.cpp",
+     "(omega[w] & ~known[w]) == 0", "true", "completion", "ColumnBasis.*"),
+    ("copies are not verified", "completion/bamc.cpp",
+     "if (((column[w] ^ q[w] ^ turn) & pi_[w]) != 0) return false;", "", "completion", "*Bamc*"),
+    ("verification looks at sampled rows again", "completion/bamc.cpp",
+     "checkable_[w] = active[w] & known[w] & ~traced_[w];", "checkable_[w] = active[w] & known[w];", "completion",
+     "*Bamc*"),
+    ("runs do not share out their weight", "completion/row_distribution.cpp",
+     "add_to_rows(begin, w * 64 + bit, active, kOne / (n_runs * n_in_run));",
+     "add_to_rows(begin, w * 64 + bit, active, kOne / n_runs);", "completion", "RowDistribution.*"),
+    ("a varnished light is squeezed as if it were seen", "shading/fixed_lobes.cpp",
+     "end == FixedEnd::source ? eta * eta : 1", "1", "shading", "*ShadeSlice*"),
+    ("the film's blocks do not look beyond their rows", "film/accumulate.cpp",
+     "sy < std::min(height, y_end + reach)", "sy < y_end", "film", "Accumulate.*"),
+    ("peak memory is counted in the wrong unit", "report/stats.cpp",
+     "return kib * 1024;", "return kib;", "report", "Stats.*"),
+    ("variance of the mean as that of one pass", "reference/path_tracer.cpp",
+     "squares[i] / (n * (n - 1))", "squares[i] / (n - 1)", "reference", "PathTracer.*"),
+    ("the published method skips rows that face away", "methods/bamc.cpp",
+     "{complete, params.bamc_cull, params.bamc_guard}", "{complete, true, params.bamc_guard}", "methods", "SliceMethods.*"),
+    ("slices weigh clamping by tracked rows alone", "shading/shade.cpp",
+     "removed * static_cast<double>(rows.size()) / n_tracked", "removed / n_tracked", "shading", "*ShadeSlice*"),
+    ("all passes draw the same numbers", "pipeline/pipeline.cpp",
+     "const RandomKey key{params.seed, static_cast<std::uint32_t>(pass)};", "const RandomKey key{params.seed, 0};",
+     "pipeline", "Pipeline.*"),
+    ("predicted memory forgets the receivers themselves", "pipeline/memory.cpp",
+     "samples * (kReceiverBytes + kSampleBytes)", "samples * kSampleBytes", "apps", "MemoryLimit.HoldsForSmallFrames"),
+    ("direct light counts fully beside the residual's path", "pipeline/local_light.cpp",
+     "/*mis=*/params.residual", "/*mis=*/false", "pipeline", "*/ManyLightsAgreeWithPath.*/2"),
+]]
+
+
+def copy_tree():
+    """Brings the copy up to date with the working tree; files that are the same keep their time."""
+    listed = subprocess.run(["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT,
+                            check=True, capture_output=True, text=True).stdout
+    wanted = {name for name in listed.split("\0") if name and (ROOT / name).is_file()}
+    for name in wanted:
+        source, copy = ROOT / name, TREE / name
+        if not copy.is_file() or copy.read_bytes() != source.read_bytes():
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(source, copy)
+    for path in list(TREE.rglob("*")):
+        if path.is_file() and str(path.relative_to(TREE)) not in wanted:
+            path.unlink()
+
+
+def configure(programs, jobs):
+    """Optimised a little and without asserts: the tests themselves must notice."""
+    os.environ.setdefault("CCACHE_BASEDIR", str(ROOT))
+    os.environ.setdefault("CCACHE_NOHASHDIR", "1")
+    os.environ.setdefault("MYRIALUX_SCENES", str(ROOT.parent / "shared/scenes"))
+    subprocess.run(["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+                    "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG", "-DMYRIALUX_BENCH=OFF"], check=True,
+                   stdout=subprocess.DEVNULL)
+    if not build(programs, jobs, subprocess.DEVNULL):
+        sys.exit("the unbroken code does not build: cmake --build " + str(BUILD))
+
+
+def build(programs, jobs, out=subprocess.DEVNULL):
+    command = ["cmake", "--build", BUILD, "-j", str(jobs), "--target"] + ["test_" + p for p in programs]
+    return subprocess.run(command, stdout=out, stderr=out).returncode == 0
+
+
+def run_tests(defect):
+    """(all passed, number that passed, names of those that failed)"""
+    program = BUILD / "tests" / ("test_" + defect.program)
+    try:
+        done = subprocess.run([program, "--gtest_filter=" + defect.tests, "--gtest_brief=1"], cwd=BUILD,
+                              capture_output=True, text=True, errors="replace", timeout=TEST_LIMIT_S)
+    except subprocess.TimeoutExpired:
+        return False, 0, [f"no end within {TEST_LIMIT_S} s"]
+    passed = re.search(r"\[  PASSED  \] (\d+) test", done.stdout)
+    failed = list(dict.fromkeys(re.findall(r"\[  FAILED  \] ([^\s,]+)", done.stdout)))
+    if done.returncode < 0:
+        failed.append(f"signal {-done.returncode}")
+    return done.returncode == 0, int(passed[1]) if passed else 0, failed
+
+
+def try_defect(defect, jobs):
+    """(verdict, remark)"""
+    path = TREE / "src/myrialux" / defect.file
+    sound = path.read_text() if path.is_file() else ""
+    if sound.count(defect.old) != 1:
+        return "STALE", f"the text occurs {sound.count(defect.old)} times"
+    path.write_text(sound.replace(defect.old, defect.new))
+    try:
+        if not build([defect.program], jobs):
+            return "STALE", "does not compile"
+        passes, _, failed = run_tests(defect)
+        return ("MISSED", "") if passes else ("CAUGHT", f"{len(failed)}: {failed[0]}" if failed else "exit status")
+    finally:
+        path.write_text(sound)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("words", nargs="*", metavar="WORD")
+    parser.add_argument("--list", action="store_true", help="show the defects and end")
+    parser.add_argument("-j", "--jobs", type=int, default=os.cpu_count())
+    options = parser.parse_args()
+    chosen = [d for d in DEFECTS if not options.words or any(w in d.file or w in d.what for w in options.words)]
+    if options.list:
+        for d in chosen:
+            print(f"{d.file:32} {d.what}")
+        return 0
+    begin = time.monotonic()
+    copy_tree()
+    configure(sorted({d.program for d in chosen}), options.jobs)
+    print(f"{'verdict':8}{'time':>6}  defect", flush=True)
+    counts, sound_runs = collections.Counter(), {}
+    for defect in sorted(chosen, key=lambda d: d.program):  # by program: fewest rebuilds of sound code
+        start = time.monotonic()
+        key = defect.program, defect.tests
+        if key not in sound_runs:
+            build([defect.program], options.jobs)
+            sound_runs[key] = run_tests(defect)
+        passes, n_passed, _ = sound_runs[key]
+        verdict, remark = try_defect(defect, options.jobs) if passes and n_passed else (
+            "STALE", f"on sound code test_{defect.program} {defect.tests} fails or runs no test")
+        counts[verdict] += 1
+        print(f"{verdict:8}{time.monotonic() - start:5.0f}s  {defect.file}: {defect.what}" + (remark and f"  [{remark}]"),
+              flush=True)
+    print(f"{counts['CAUGHT']} caught, {counts['MISSED']} missed, {counts['STALE']} stale; "
+          f"{time.monotonic() - begin:.0f} s")
+    return 0 if counts["CAUGHT"] == len(chosen) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
