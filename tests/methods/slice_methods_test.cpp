@@ -156,7 +156,7 @@ TEST(Methods, UnknownNameListsTheKnown) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.kind(), ErrorKind::usage);
-    EXPECT_STREQ(e.what(), "unknown method 'bmac'; known: bamc, slice-lightcuts, brute-force, path");
+    EXPECT_STREQ(e.what(), "unknown method 'bmac'; known: bamc, slice-lightcuts, mdlc, brute-force, path");
   }
 }
 

@@ -21,7 +21,8 @@ enum class Stage : std::uint8_t {
   direct,
   residual,
   path,
-  film
+  film,
+  gather_tree
 };
 
 /// Names all streams of one pass of a render.

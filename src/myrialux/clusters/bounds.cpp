@@ -14,12 +14,7 @@ void set_frame(Vec3 axis, float (&soa)[9][kCutLanes], std::size_t lane) {
   for (int a = 0; a < 3; ++a) soa[a][lane] = frame.n[a], soa[3 + a][lane] = frame.s[a], soa[6 + a][lane] = frame.t[a];
 }
 
-AxisFrame back_frame(Vec3 axis) {
-  const Frame frame(-axis);
-  AxisFrame back{};
-  for (int a = 0; a < 3; ++a) back.axis[a] = frame.n[a], back.s[a] = frame.s[a], back.t[a] = frame.t[a];
-  return back;
-}
+AxisFrame back_frame(Vec3 axis) { return axis_frame(-axis); }
 
 float sine(float cosine) { return std::sqrt(std::max(0.0f, 1 - cosine * cosine)); }
 
@@ -41,6 +36,13 @@ void set_point(const World& world, const Receivers& receivers, std::size_t i, st
 }
 
 }  // namespace
+
+AxisFrame axis_frame(Vec3 axis) {
+  const Frame frame(axis);
+  AxisFrame a{};
+  for (int k = 0; k < 3; ++k) a.axis[k] = frame.n[k], a.s[k] = frame.s[k], a.t[k] = frame.t[k];
+  return a;
+}
 
 CutPoints make_cut_points(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
                           float clamp_distance) {

@@ -13,6 +13,9 @@ namespace myrialux {
 CutPoints make_cut_points(const World& world, const Receivers& receivers, std::span<const ReceiverId> points,
                           float clamp_distance);
 
+/// Two more vectors for a unit one.
+AxisFrame axis_frame(Vec3 axis);
+
 CutCluster make_cut_cluster(const LightTree& tree, std::uint32_t node);
 
 /// One light times `weight` as a cluster of its own: bounds of a column's entries rather than of its cluster's.

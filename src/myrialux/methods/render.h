@@ -20,6 +20,7 @@ struct MethodParams {
   BamcParams bamc;
   bool bamc_cull = true;  ///< -D bamc.cull=false: trace entries whose transfer is zero, too (as published)
   float bamc_guard = 1;   ///< entries that may weigh more than this many times the mean are traced; 0: none (published)
+  float mdlc_error = 0.02f;  ///< largest bound of a pair that is left, over the pixel's estimate
   RandomKey key;
 };
 
@@ -29,6 +30,7 @@ struct FrameView {
   const Receivers& receivers;
   const VirtualLights& lights;
   float scene_radius = 0;  ///< of the bounding sphere, for normal weights
+  int spp = 1;             ///< camera samples a pixel: receiver i is in pixel sample[i] / spp
 };
 
 /// What it gives back; all indexed by receiver.
@@ -52,6 +54,7 @@ const MethodInfo& find_method(const std::string& name);
 
 MethodResult render_bamc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_slice_lightcuts(const FrameView&, const MethodParams&, Progress&, RenderStats&);
+MethodResult render_mdlc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_brute_force(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 
 }  // namespace myrialux

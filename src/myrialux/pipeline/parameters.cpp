@@ -92,6 +92,9 @@ const std::vector<Key>& keys() {
       number_key(
           "bamc.guard", 0, 1e30f, "entries above this many times the picture's mean are always traced; 0: as published",
           [](P & p) -> auto& { return p.method.bamc_guard; }),
+      number_key(
+          "mdlc.error", 0, 1, "largest error bound of a pair of clusters, as a share of the pixel's estimate",
+          [](P & p) -> auto& { return p.method.mdlc_error; }),
       count_key(
           "direct.samples", 1, 4096, "emitter samples a receiver where direct light is sampled",
           [](P & p) -> auto& { return p.direct_samples; }),

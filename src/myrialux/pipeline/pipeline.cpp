@@ -220,7 +220,8 @@ void render_pass(const World& world, const Settings& settings, int pass, MemoryG
   method_params.cut.clamp_distance = params.clamp * robust_radius(receivers);
   const float scene_radius = 0.5f * world.scene.bounds().diagonal();
   MethodResult result =
-      find_method(params.method).render({world, receivers, lights, scene_radius}, method_params, progress, stats);
+      find_method(params.method)
+          .render({world, receivers, lights, scene_radius, params.spp}, method_params, progress, stats);
   wall.lap();
 
   // What virtual lights leave out, by rays of each receiver's own.
