@@ -88,7 +88,7 @@ TEST(GatherTree, RepresentativesAreDrawnInProportionToStrength) {
     EXPECT_NEAR(double(drawn[k]) / kDraws, expected[k], 4 * std::sqrt(expected[k] * (1 - expected[k]) / kDraws));
 }
 
-TEST(PairBound, OfOneReceiverIsItsClusterBound) {
+TEST(PairBound, OfOneReceiverIsItsClusterBoundOrLess) {
   const Room room({.n_receivers = 64,
                    .n_lights = 500,
                    .kinds = {LightKind::oriented, LightKind::glossy, LightKind::point, LightKind::directional},
@@ -102,8 +102,24 @@ TEST(PairBound, OfOneReceiverIsItsClusterBound) {
     for (std::uint32_t n = 0; node.is_leaf() && n < lights.nodes.size(); ++n) {
       const float expected = cluster_bound(world, room.receivers, node.representative, lights, n, kClamp);
       const float bound = bound_pair(node.bounds, make_cut_cluster(lights, n), kLeastSquared);
-      EXPECT_NEAR(bound, expected, 1e-5f * expected);  // a sum in another order
+      EXPECT_LE(bound, expected * (1 + 1e-5f));     // a sum in another order
+      const LightKind kind = lights.nodes[n].kind;  // others: both cosines together may be smaller
+      if (kind == LightKind::point || kind == LightKind::directional) {
+        EXPECT_GE(bound, expected * (1 - 1e-5f));
+      }
     }
+}
+
+TEST(PairBound, OfOnePlaneIsZeroThoughBoxesOverlap) {
+  Room room({.n_receivers = 40, .n_lights = 40});
+  for (std::size_t k = 0; k < 40; ++k) {
+    room.receivers.p[k].y = room.lights.p[k].y = -1;
+    room.receivers.n[k] = room.receivers.ng[k] = room.lights.n[k] = room.lights.ng[k] = {0, 1, 0};
+    room.receivers.wo[k] = normalize(Vec3{0.3f, 1, 0.2f});
+  }
+  const LightTree lights = build_light_tree(room.world(), room.lights, Room::kRadius, {});
+  const GatherTree tree = tree_of(room, all_rows(room.receivers));
+  EXPECT_EQ(bound_pair(tree.nodes[0].bounds, make_cut_cluster(lights, lights.roots[0]), kLeastSquared), 0);
 }
 
 struct PairCase {
@@ -180,29 +196,29 @@ TEST_P(PairBounds, AreNotExceededByAMillionPairsSlow) { check(125000); }
 INSTANTIATE_TEST_SUITE_P(
     Rooms, PairBounds,
     ::testing::Values(
-        PairCase{"diffuse", {.n_receivers = 1000, .n_lights = 5000}, 1e9, 1e9},
-        PairCase{"tilted", {.n_receivers = 1000, .n_lights = 5000, .shading_tilt = 0.3f}, 1e9, 1e9},
-        PairCase{"points", {.n_receivers = 1000, .n_lights = 5000, .kinds = {LightKind::point}}, 1e9, 1e9},
+        PairCase{"diffuse", {.n_receivers = 1000, .n_lights = 5000}, 13, 1500},
+        PairCase{"tilted", {.n_receivers = 1000, .n_lights = 5000, .shading_tilt = 0.3f}, 18, 1300},
+        PairCase{"points", {.n_receivers = 1000, .n_lights = 5000, .kinds = {LightKind::point}}, 14, 400},
         PairCase{"directional",
                  {.n_receivers = 1000, .n_lights = 5000, .kinds = {LightKind::directional}, .glossy = true},
-                 1e9,
-                 1e9},
+                 14,
+                 1000},
         PairCase{"glossy_receivers",
                  {.n_receivers = 1000, .n_lights = 5000, .glossy = true, .shading_tilt = 0.1f},
-                 1e9,
-                 1e9},
+                 280,
+                 160000},
         PairCase{"glossy_lights",
                  {.n_receivers = 1000, .n_lights = 5000, .kinds = {LightKind::glossy}, .shading_tilt = 0.1f},
-                 1e9,
-                 1e9},
+                 150,
+                 45000},
         PairCase{"all_glossy",
                  {.n_receivers = 1000, .n_lights = 5000, .kinds = {LightKind::glossy}, .glossy = true},
-                 1e9,
-                 1e9},
+                 500,
+                 2e6},
         PairCase{"glass",
                  {.n_receivers = 1000, .n_lights = 5000, .kinds = {LightKind::glossy}, .glossy = true, .glass = true},
-                 1e9,
-                 1e9}),
+                 6000,
+                 4e7}),
     [](const auto& c) { return std::string(c.param.name); });
 
 }  // namespace

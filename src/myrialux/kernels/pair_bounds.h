@@ -18,20 +18,33 @@ struct PairReceivers {
   float inverse_alpha2, c1, c2, c3, t_least;  ///< shape()
 };
 
-/// Of light and any receiver's transfer, and of the sum over the cluster's lights for any receiver (luminance).
-/// Largest cosine over the box of differences to the cone's axis, widened by the cone: no receiver's own normal (mirror
-/// direction) can be nearer to a direction that occurs, and cosines and shape() fall with the angle.
+/// Largest product of both cosines whatever lies between: directions along which the receivers' normal and the lights'
+/// lean by x and y have x + y >= gamma, the angle between one normal and the other reversed, so the product is at most
+/// cos^2 (gamma / 2). Lights and receivers of one plane get 0 though their boxes overlap.
+inline float largest_cosine_product(const PairReceivers& g, const CutCluster& c) {
+  float between = 0;
+  for (int a = 0; a < 3; ++a) between = between + g.normal.axis[a] * c.back.axis[a];
+  const float gamma = widen(widen(between, g.normal_cos, g.normal_sin), c.cone_cos, c.cone_sin);
+  return std::max(0.5f + 0.5f * gamma, 0.0f);
+}
+
+/// Of the transfer from any of the lights, times importance, to any of the receivers, and of the sum over the lights
+/// (luminance). Largest cosine over the box of differences to the cone's axis, widened by the cone: no receiver's own
+/// normal (mirror direction) can be nearer to a direction that occurs, and cosines and shape() fall with the angle.
 /// @param least_distance_squared clamp distance squared; > 0
 inline float bound_pair(const PairReceivers& g, const CutCluster& c, float least_distance_squared) {
   const RelativeBox r = relative_box(g.lower, g.upper, c);
-  const float cosine = widen(largest_cosine(r, g.normal), g.normal_cos, g.normal_sin);
-  float bound = g.diffuse * std::max(cosine, 0.0f) + g.any;
+  const float cosine = std::max(widen(largest_cosine(r, g.normal), g.normal_cos, g.normal_sin), 0.0f);
+  float gloss = g.any;
   if (g.gloss > 0 && cosine > 0) {
     const float mirror = widen(largest_cosine(r, g.mirror), g.mirror_cos, g.mirror_sin);
-    bound = bound + g.gloss * gloss_shape(mirror, g.inverse_alpha2, g.c1, g.c2, g.c3, g.t_least);
+    gloss = gloss + g.gloss * gloss_shape(mirror, g.inverse_alpha2, g.c1, g.c2, g.c3, g.t_least);
   }
-  if (!(bound > 0)) return 0;
-  bound = bound * light_bound(c, r);
+  if (!(g.diffuse * cosine + gloss > 0)) return 0;
+  const float light = light_bound(c, r);
+  float lit = cosine * light;
+  if (c.has_cone && c.gloss == 0 && c.any == 0) lit = std::min(lit, c.diffuse * largest_cosine_product(g, c));
+  const float bound = g.diffuse * lit + gloss * light;
   return c.distant ? bound : bound / std::max(r.near_squared, least_distance_squared);
 }
 

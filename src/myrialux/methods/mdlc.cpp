@@ -31,9 +31,9 @@ struct Counts {
 /// The cut of one pixel. Keeps its memory from pixel to pixel.
 class PixelCut {
  public:
-  /// @param rows receivers of the pixel; sets their radiance
-  Counts render(const FrameView& frame, const MethodParams& params, const LightTree& lights,
-                std::span<const ReceiverId> rows, std::span<Rgb> radiance);
+  /// @param first, end receivers of the pixel; adds to their radiance
+  Counts render(const FrameView& frame, const MethodParams& params, const LightTree& lights, std::size_t first,
+                std::size_t end, std::span<Rgb> radiance);
 
  private:
   void refine(std::size_t place_of_pair);
@@ -59,6 +59,7 @@ class PixelCut {
   const MethodParams* params_ = nullptr;
   const LightTree* lights_ = nullptr;
   float least_distance_squared_ = 0;
+  std::vector<ReceiverId> rows_;
   GatherTree tree_;
   std::vector<Pair> pairs_;          ///< the cut
   std::vector<std::uint64_t> heap_;  ///< pairs that can be refined: bits of the bound, then the pair's complement
@@ -82,19 +83,16 @@ MethodResult render_mdlc(const FrameView& frame, const MethodParams& params, Pro
 
   MethodResult result;
   result.radiance.resize(frame.receivers.size());
-  std::vector<Counts> counts(n_pixels);
-  std::vector<ReceiverId> rows(frame.receivers.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<ReceiverId>(i);
+  constexpr std::size_t kPixels = 8;  // of a work item
+  std::vector<Counts> counts((n_pixels + kPixels - 1) / kPixels);
   progress.stage("pixels", n_pixels, "pixels");
-  parallel_for(
-      n_pixels,
-      [&](std::size_t k) {
-        thread_local PixelCut cut;
-        counts[k] = cut.render(frame, params, lights, std::span(rows).subspan(begin[k], begin[k + 1] - begin[k]),
-                               result.radiance);
-        progress.advance(1);
-      },
-      8);
+  parallel_for(counts.size(), [&](std::size_t block) {
+    thread_local PixelCut cut;
+    const std::size_t end = std::min(n_pixels, (block + 1) * kPixels);
+    for (std::size_t k = block * kPixels; k < end; ++k)
+      counts[block] += cut.render(frame, params, lights, begin[k], begin[k + 1], result.radiance);
+    progress.advance(end - block * kPixels);
+  });
 
   Counts sum;
   for (const Counts& c : counts) sum += c;
@@ -107,13 +105,15 @@ MethodResult render_mdlc(const FrameView& frame, const MethodParams& params, Pro
 
 namespace {
 
-Counts PixelCut::render(const FrameView& frame, const MethodParams& params, const LightTree& lights,
-                        std::span<const ReceiverId> rows, std::span<Rgb> radiance) {
+Counts PixelCut::render(const FrameView& frame, const MethodParams& params, const LightTree& lights, std::size_t first,
+                        std::size_t end, std::span<Rgb> radiance) {
   frame_ = &frame, params_ = &params, lights_ = &lights;
   least_distance_squared_ = std::max(params.cut.clamp_distance * params.cut.clamp_distance, 1e-20f);
   pairs_.clear(), heap_.clear(), total_ = 0, counts_ = {};
-  Rng rng(params.key, Stage::gather_tree, index(rows.front()));
-  build_gather_tree(frame.world, frame.receivers, rows, params.slices.normal_weight * frame.scene_radius, rng, tree_);
+  rows_.clear();
+  for (std::size_t i = first; i < end; ++i) rows_.push_back(static_cast<ReceiverId>(i));
+  Rng rng(params.key, Stage::gather_tree, first);
+  build_gather_tree(frame.world, frame.receivers, rows_, params.slices.normal_weight * frame.scene_radius, rng, tree_);
   if (tree_.nodes.empty()) return counts_;
 
   // The coarsest cut: all receivers with all lights of a kind.

@@ -62,7 +62,7 @@ std::string to_json(const RenderStats& s) {
       {"receivers", s.receivers},
       {"virtual_lights", s.virtual_lights},
       {"slices", s.slices},
-      {"clusters_mean", s.slices > 0 ? measured(s.clusters_mean) : Json(nullptr)},
+      {"clusters_mean", s.slices > 0 || s.clusters_mean > 0 ? measured(s.clusters_mean) : Json(nullptr)},
       {"passes", s.passes},
       {"visibility", visibility_json(s.visibility)},
       {"rays",
