@@ -22,5 +22,6 @@ void add_info(CLI::App& app, Session& session);
 void add_check(CLI::App& app, Session& session);
 void add_lights(CLI::App& app, Session& session);
 void add_compare(CLI::App& app, Session& session);
+void add_bench(CLI::App& app, Session& session);
 
 }  // namespace myrialux::app

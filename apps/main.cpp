@@ -94,6 +94,7 @@ int run(int argc, char** argv) {
   add_check(app, session);
   add_lights(app, session);
   add_compare(app, session);
+  add_bench(app, session);
   // Set last: subcommands would inherit it.
   app.footer(R"(Examples:
   myrialux render room.xml -o room.exr -o room.png

@@ -151,10 +151,15 @@ def add_parameters(page, comparison, order):
               + text_table(columns, [r for r in rows if r[0] not in MAIN_KEYS and r[0] not in differing]) + "</details>")
 
 
+def missing_packages():
+    """Names of the packages that pages need and this Python lacks, by commas."""
+    return ", ".join(package for module, package in PACKAGES.items() if importlib.util.find_spec(module) is None)
+
+
 def main(folder):
-    missing = [package for module, package in PACKAGES.items() if importlib.util.find_spec(module) is None]
+    missing = missing_packages()
     if missing:
-        print(", ".join(missing))
+        print(missing)
         return 69
     import numpy as np
     folder = pathlib.Path(folder)

@@ -285,5 +285,23 @@ class Missing(unittest.TestCase):
         self.assertEqual((done.returncode, done.stdout.strip()), (69, ", ".join(compare.PACKAGES.values())))
 
 
+class Bench(unittest.TestCase):
+    def test_page_of_a_small_bench_is_whole_and_fetches_nothing(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            scene = ROOT / "scenes/cornell-box/scene.xml"
+            subprocess.run([PROGRAM, "bench", scene, "-o", folder, "--size", "32x32", "--spp", "1", "--vpls", "400",
+                            "--clusters", "40", "--budgets", "0.5,1", "--repeats", "1", "--progress", "none"],
+                           check=True, env={**os.environ, "MYRIALUX_PYTHON": sys.executable})
+            tags = Tags((folder / "index.html").read_text())
+            self.assertTrue(all(f.startswith("data:") for f in tags.fetched), tags.fetched[:3])
+            self.assertIn("slice-lightcuts", tags.seen)
+            self.assertIn("cornell-box", tags.seen)
+            results = json.loads((folder / "results.json").read_text())["results"]
+            flips = {(r["method"], r["budget"]): r["flip"] for r in results}
+            self.assertIsNone(flips["brute-force", 1])
+            self.assertGreater(flips["slice-lightcuts", 0.5], flips["slice-lightcuts", 1])
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -11,9 +11,9 @@ const std::vector<MethodInfo>& all_methods() {
       {"slice-lightcuts", "the same slices and cuts, every shadow ray traced",
        "Wang and Holzschuch 2020, section 5.3.4", render_slice_lightcuts},
       {"mdlc", "one cut a pixel through the product of its receivers and the lights, 2 % threshold",
-       "Walter et al. 2006", render_mdlc},
-      {"brute-force", "every receiver, every virtual light, every ray", "-", render_brute_force},
-      {"path", "path tracer with next-event estimation and multiple importance sampling", "-", {}},
+       "Walter et al. 2006", render_mdlc, "mdlc.error"},
+      {"brute-force", "every receiver, every virtual light, every ray", "-", render_brute_force, ""},
+      {"path", "path tracer with next-event estimation and multiple importance sampling", "-", {}, ""},
   };
   return methods;
 }

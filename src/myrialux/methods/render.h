@@ -46,6 +46,8 @@ using Method = std::function<MethodResult(const FrameView&, const MethodParams&,
 struct MethodInfo {
   std::string name, summary, source;
   Method render;  ///< empty for `path`, which has no virtual lights
+  /// What trades time for error: "clusters", or a -D key that is an error threshold; empty: nothing does.
+  std::string knob = "clusters";
 };
 /// All methods, in the order of the documentation.
 const std::vector<MethodInfo>& all_methods();
