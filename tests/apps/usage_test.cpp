@@ -32,14 +32,14 @@ TEST_F(Usage, HelpTeachesOnStdout) {
   const Outcome top = run_program({"--help"});
   EXPECT_EQ(top.exit_code, 0);
   EXPECT_THAT(top.err, IsEmpty());
-  for (const char* word : {"render", "info", "check", "lights", "compare", "Examples:"})
+  for (const char* word : {"render", "info", "check", "lights", "compare", "bench", "Examples:"})
     EXPECT_THAT(top.out, HasSubstr(word));
   const Outcome render = run_program({"render", "--help"});
   EXPECT_EQ(render.exit_code, 0);
   for (const char* word :
        {"--method", "--spp", "default 4", "degrees", "bamc.alpha=", "slice-lightcuts", "Examples:", "Exit codes"})
     EXPECT_THAT(render.out, HasSubstr(word));
-  for (const char* absent : {"bench", "--resume", "--quality"})
+  for (const char* absent : {"--resume", "--quality"})
     EXPECT_THAT(render.out + top.out, Not(HasSubstr(absent))) << "what does not exist must not be offered";
   for (const char* command : {"info", "check", "lights", "compare"}) {
     const Outcome help = run_program({command, "--help"});
