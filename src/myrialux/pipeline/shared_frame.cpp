@@ -75,7 +75,8 @@ FrameRun SharedFrame::run(const std::string& name, double budget, Progress& prog
   const Receivers& receivers = state_->rows.receivers;
   Stopwatch wall;
   const MethodResult result =
-      method.render({state_->world, receivers, state_->lights, state_->scene_radius}, params, progress, run.stats);
+      method.render({state_->world, receivers, state_->lights, state_->scene_radius, state_->params.spp}, params,
+                    progress, run.stats);
   run.seconds = wall.elapsed();
 
   const auto spp = static_cast<std::size_t>(state_->params.spp);
