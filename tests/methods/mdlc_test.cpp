@@ -96,6 +96,7 @@ TEST(Mdlc, ErrorFallsAsTheThresholdTightens) {
     EXPECT_LT(error, last) << threshold;
     last = error;
   }
+  EXPECT_LT(last, 0.054);  // measured: 0.244, 0.141, 0.071, 0.036; half above the last
 }
 
 TEST(Mdlc, ErrorFallsAsCutsGrow) {
@@ -113,6 +114,7 @@ TEST(Mdlc, ErrorFallsAsCutsGrow) {
     EXPECT_LE(stats.rays.shadow, stats.visibility.entries);
     last = error;
   }
+  EXPECT_LT(last, 0.028);  // measured: 0.423, 0.219, 0.094, 0.019; half above the last
 }
 
 /// Cuts of a fixed size depend on bounds alone, so that representatives drawn anew average out.

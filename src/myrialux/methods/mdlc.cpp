@@ -137,7 +137,8 @@ Counts PixelCut::render(const FrameView& frame, const MethodParams& params, cons
   return counts_;
 }
 
-/// The side whose halves have the smaller sum of bounds; if that is the same (boxes that overlap), the larger box.
+/// The side whose halves have the smaller sum of bounds; where the sums are alike, as for boxes that overlap, the
+/// larger box: bounds of a small one gain nothing for many splits.
 bool PixelCut::splits_light(const Pair& pair, std::array<float, 2>& bounds) const {
   const LightNode& light = lights_->nodes[pair.light];
   const GatherNode& receivers = gather(pair);
@@ -149,9 +150,12 @@ bool PixelCut::splits_light(const Pair& pair, std::array<float, 2>& bounds) cons
     for (std::uint32_t k = 0; k < 2; ++k) of_receivers[k] = bound(receivers.left + k, cluster);
   }
   const float sum_l = of_lights[0] + of_lights[1], sum_r = of_receivers[0] + of_receivers[1];
-  const bool by_light =
-      receivers.is_leaf() ||
-      (!light.is_leaf() && (sum_l < sum_r || (sum_l == sum_r && light.box.diagonal() > receivers.diagonal)));
+  constexpr float kAlike = 1.1f;
+  bool by_light = light.box.diagonal() > receivers.diagonal;
+  if (light.is_leaf() || receivers.is_leaf())
+    by_light = receivers.is_leaf();
+  else if (std::max(sum_l, sum_r) > kAlike * std::min(sum_l, sum_r))
+    by_light = sum_l < sum_r;
   bounds = by_light ? of_lights : of_receivers;
   return by_light;
 }
