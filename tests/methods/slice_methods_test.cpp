@@ -1,57 +1,14 @@
 // Slice methods against brute force on the same receivers and lights: exact where the approximation is off.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "myrialux/base/parallel.h"
-#include "myrialux/methods/render.h"
-#include "support/build_scene.h"
+#include "support/method_frame.h"
 
 namespace myrialux {
 namespace {
 
-/// Receivers and lights of a small frame, traced once.
-struct Fixture {
-  Scene scene;
-  Tracer tracer;
-  Emitters emitters;
-  World world;
-  Receivers receivers;
-  VirtualLights lights;
-  MethodParams params;
-
-  Fixture(Scene s, std::uint64_t n_lights, int size)
-      : scene(std::move(s)),
-        tracer(scene),
-        emitters(scene, tracer.bounds()),
-        world{.scene = scene, .tracer = tracer, .emitters = emitters, .max_depth = -1} {
-    Progress silent;
-    receivers = trace_receivers(world, {.width = size, .height = size, .spp = 1, .key = {3}}, silent).receivers;
-    lights = trace_lights(world, {.n_lights = n_lights, .direct = true, .key = {3}}, silent).lights;
-    params.cut.clamp_distance = 0.05f;
-    params.key = params.tree.key = {3};
-  }
-  MethodResult run(const char* method, RenderStats& stats) const {
-    Progress silent;
-    const float radius = 0.5f * scene.bounds().diagonal();
-    return find_method(method).render({world, receivers, lights, radius}, params, silent, stats);
-  }
-  MethodResult run(const char* method) const {
-    RenderStats stats;
-    return run(method, stats);
-  }
-};
-
-/// Root mean square difference over the mean of the reference, luminance.
-double relative_rmse(const std::vector<Rgb>& reference, const std::vector<Rgb>& image) {
-  double squares = 0, sum = 0;
-  for (std::size_t i = 0; i < reference.size(); ++i) {
-    const double d = luminance(image[i]) - luminance(reference[i]);
-    squares += d * d, sum += luminance(reference[i]);
-  }
-  const double n = static_cast<double>(reference.size());
-  return std::sqrt(squares / n) / (sum / n);
-}
+using Fixture = test::MethodFrame;
+using test::relative_rmse;
 
 TEST(SliceMethods, OneLightPerClusterEqualsBruteForce) {
   Fixture f(test::cornell_box(), 300, 24);
@@ -156,7 +113,7 @@ TEST(Methods, UnknownNameListsTheKnown) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.kind(), ErrorKind::usage);
-    EXPECT_STREQ(e.what(), "unknown method 'bmac'; known: bamc, slice-lightcuts, mdlc, brute-force, path");
+    EXPECT_STREQ(e.what(), "unknown method 'bmac'; known: bamc, slice-lightcuts, lightslice, mdlc, brute-force, path");
   }
 }
 

@@ -12,12 +12,25 @@
 
 namespace myrialux {
 
+/// LightSlice [ou11]; see docs/methods/lightslice.md.
+struct LightSliceParams {
+  std::uint32_t n_slices = 1500;    ///< at most; 64 rows at least each
+  std::uint32_t n_neighbours = 8;   ///< slices whose rows judge a slice's clusters, itself included; 1 to 8
+  float global_share = 0.3f;        ///< of --clusters: global clusters
+  std::uint32_t n_dimensions = 50;  ///< of the projected columns that these are found from
+  float local_share = 0;            ///< see DrawParams
+  float power_share = 0;
+};
+/// Rows a slice, whole blocks.
+std::uint32_t lightslice_rows(std::uint64_t n_receivers, std::uint32_t n_slices, std::uint32_t block_rows);
+
 /// All knobs of all methods; which apply is in docs/methods. Settable by -D key=value (see parameter table).
 struct MethodParams {
   SliceParams slices;
   LightTreeParams tree;
   CutParams cut;  ///< its clamp_distance is the clamp of bounds and shading alike
   BamcParams bamc;
+  LightSliceParams lightslice;
   bool bamc_cull = true;  ///< -D bamc.cull=false: trace entries whose transfer is zero, too (as published)
   float bamc_guard = 1;   ///< entries that may weigh more than this many times the mean are traced; 0: none (published)
   float mdlc_error = 0.02f;  ///< largest bound of a pair that is left, over the pixel's estimate
@@ -57,6 +70,7 @@ const MethodInfo& find_method(const std::string& name);
 MethodResult render_bamc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_slice_lightcuts(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_mdlc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
+MethodResult render_lightslice(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_brute_force(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 
 }  // namespace myrialux

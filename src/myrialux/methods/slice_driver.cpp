@@ -29,7 +29,7 @@ struct SliceReport {
 class SliceLoop {
  public:
   SliceLoop(const FrameView& frame, const MethodParams& params, const SliceMethod& method, const Slices& slices,
-            const LightTree& tree);
+            const LightTree& tree, ChooseColumns choose_columns);
   /// Traces some slices whole; their mean radiance sets the limit of what may be guessed in the others.
   void run_pilot(Progress& progress);
   /// All other slices; pilot slices are completed, too, only to count wrong bits.
@@ -39,7 +39,6 @@ class SliceLoop {
   MethodResult result;
 
  private:
-  std::vector<Column> cut(std::size_t s);
   void render(std::size_t s, const CompleteSlice& complete, BitMatrix& visible);
   void check_completion(std::size_t s, const BitMatrix& truth);
   void require_heavy(std::size_t s, std::span<const Column> columns, SliceVisibility& source);
@@ -52,11 +51,19 @@ class SliceLoop {
   const SliceMethod& method_;
   const Slices& slices_;
   const LightTree& tree_;
+  const ChooseColumns choose_columns_;
   std::vector<SliceReport> reports_;  ///< by slice
   std::vector<BitMatrix> pilot_;      ///< true bits of the pilot's slices
   std::size_t first_pilot_ = 0;
   float guess_limit_ = 0;  ///< weight of an entry, radiance; 0: all may be guessed
 };
+
+/// Lightcuts' choice: each slice refines the tree where its own bounds are largest.
+ChooseColumns by_light_cut(const SliceFrame& f) {
+  return [f](std::size_t s) {
+    return light_cut(f.frame.world, f.frame.receivers, f.slices.rows(s), f.frame.lights, f.tree, f.params.cut);
+  };
+}
 
 }  // namespace
 
@@ -69,7 +76,10 @@ MethodResult render_slices(const FrameView& frame, const MethodParams& params, c
   const LightTree tree = build_light_tree(frame.world, frame.lights, frame.scene_radius, params.tree);
   stats.time_s["cluster"] += wall.lap();
 
-  SliceLoop loop(frame, params, method, slices, tree);
+  // Which lights stand for all, slice by slice; methods may look at the whole frame first.
+  const SliceFrame grouped{frame, params, slices, tree};
+  SliceLoop loop(frame, params, method, slices, tree, method.columns ? method.columns(grouped) : by_light_cut(grouped));
+  wall.lap();
   progress.stage("slices", slices.size(), "slices");
   if (method.guard > 0) loop.run_pilot(progress);
   loop.run(progress);
@@ -80,8 +90,14 @@ MethodResult render_slices(const FrameView& frame, const MethodParams& params, c
 namespace {
 
 SliceLoop::SliceLoop(const FrameView& frame, const MethodParams& params, const SliceMethod& method,
-                     const Slices& slices, const LightTree& tree)
-    : frame_(frame), params_(params), method_(method), slices_(slices), tree_(tree), reports_(slices.size()) {
+                     const Slices& slices, const LightTree& tree, ChooseColumns choose_columns)
+    : frame_(frame),
+      params_(params),
+      method_(method),
+      slices_(slices),
+      tree_(tree),
+      choose_columns_(std::move(choose_columns)),
+      reports_(slices.size()) {
   const std::size_t n = frame.receivers.size();
   result.radiance.resize(n);
   result.slice.resize(n);
@@ -118,16 +134,12 @@ void SliceLoop::run(Progress& progress) {
   });
 }
 
-std::vector<Column> SliceLoop::cut(std::size_t s) {
-  return light_cut(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, tree_, params_.cut);
-}
-
 /// One slice from its cut to its radiance; `visible` is set.
 void SliceLoop::render(std::size_t s, const CompleteSlice& complete, BitMatrix& visible) {
   SliceReport& report = reports_[s];
   const std::span<const ReceiverId> rows = slices_.rows(s);
   ThreadStopwatch cpu;
-  const std::vector<Column> columns = cut(s);
+  const std::vector<Column> columns = choose_columns_(s);
   report.cut_s = cpu.lap();
 
   SliceVisibility source(frame_.world, frame_.receivers, rows, frame_.lights, columns, method_.cull);
@@ -193,7 +205,7 @@ class TracedEntries final : public EntrySource {
 void SliceLoop::check_completion(std::size_t s, const BitMatrix& truth) {
   SliceReport& report = reports_[s];
   ThreadStopwatch cpu;
-  const std::vector<Column> columns = cut(s);
+  const std::vector<Column> columns = choose_columns_(s);
   SliceVisibility slice(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, columns, method_.cull);
   require_heavy(s, columns, slice);
   TracedEntries source(slice, truth);

@@ -14,12 +14,24 @@ using CompleteSlice = std::function<CompletionStats(EntrySource& source, Rng& rn
 /// One slice of this many is a slice of the pilot (see SliceMethod::guard), whose bits are kept through the frame.
 inline constexpr std::size_t kPilotStride = 64;
 
+/// The frame once its rows and columns are grouped. Holds references.
+struct SliceFrame {
+  const FrameView& frame;
+  const MethodParams& params;
+  const Slices& slices;
+  const LightTree& tree;
+};
+/// The columns of a slice, ordered as light_cut() orders them; called by many threads, and the same each time.
+using ChooseColumns = std::function<std::vector<Column>(std::size_t s)>;
+
 struct SliceMethod {
   CompleteSlice complete;
   bool cull = true;  ///< entries whose transfer is zero are left out
   /// Entries that may carry more than this many times the frame's mean radiance are always traced. The mean comes from
   /// a pilot: one slice of 64 is traced whole first, and completed besides to count wrong bits. 0: no pilot.
   float guard = 0;
+  /// Prepares the choice of columns, once a frame. Empty: light_cut().
+  std::function<ChooseColumns(const SliceFrame&)> columns = {};
 };
 
 /// Streams the slices: each is cut, traced, completed, shaded and forgotten, so memory does not grow with the frame

@@ -48,6 +48,15 @@ Bytes pilot_bytes(const FrameExtent& f) {
   return f.has_pilot ? (n_samples(f) / f.slice_rows / kPilotStride + 1) * bits_bytes(f) : 0;
 }
 
+/// The reduced matrix, two bytes an entry, and the clustering of its columns: projected once, and then a copy for each
+/// slice in flight, with the eight rows of its neighbourhood.
+Bytes reduced_bytes(const FrameExtent& f) {
+  constexpr Bytes kEntry = 2, kColumn = 32, kLocalColumn = 80, kTile = 2 * kMiB;
+  const Bytes dimensions = std::min(f.reduced_dimensions, f.reduced_rows), threads = Bytes(f.n_threads);
+  const Bytes working = std::max(f.n_lights * dimensions * sizeof(float), threads * f.n_lights * kLocalColumn);
+  return f.reduced_rows > 0 ? f.n_lights * (f.reduced_rows * kEntry + kColumn) + working + threads * kTile : 0;
+}
+
 Parts largest(std::initializer_list<Parts> stages) {
   return std::max(stages, [](const Parts& a, const Parts& b) { return a.sum() < b.sum(); });
 }
@@ -76,7 +85,7 @@ Parts pass_parts(const FrameExtent& f) {
   if (f.has_slices) {
     grouping.slices = samples * (kSlicePoint + kOrder);
     building.slices = samples * kOrder, building.lights += tree + f.n_lights * kTreePoint;
-    gathering.slices = samples * kOrder + Bytes(f.n_threads) * slice_bytes(f) + pilot_bytes(f);
+    gathering.slices = samples * kOrder + Bytes(f.n_threads) * slice_bytes(f) + pilot_bytes(f) + reduced_bytes(f);
     gathering.lights += tree;
   }
   return largest({receivers, reading, grouping, building, gathering});

@@ -154,6 +154,12 @@ MemoryGuard::MemoryGuard(const World& world, const Settings& settings) : limit_(
   e.width = p.width, e.height = p.height, e.passes = p.passes, e.n_threads = allowed_threads();
   e.spp = e.has_lights ? p.spp : std::min(p.spp * p.passes, kPathSamplesAtOnce);
   e.n_clusters = p.n_clusters, e.slice_rows = settings.tuned.method.slices.max_rows;
+  if (p.method == "lightslice") {
+    const LightSliceParams& own = settings.tuned.method.lightslice;
+    e.slice_rows = lightslice_rows(std::uint64_t(p.width) * std::uint64_t(p.height) * std::uint64_t(p.spp),
+                                   own.n_slices, settings.tuned.method.slices.block_rows);
+    e.reduced_rows = own.n_slices, e.reduced_dimensions = own.n_dimensions;
+  }
   e.n_channels = FrameState::n_channels(p.aovs, e.has_slices);
   std::error_code none;
   if (e.has_lights && p.lights_file.empty()) {
