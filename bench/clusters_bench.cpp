@@ -1,6 +1,7 @@
 // Times of slices, light tree and cut on a synthetic room: receivers by pixel on the walls and a ball, lights strewn.
 #include <benchmark/benchmark.h>
 
+#include "myrialux/clusters/agglomerative_tree.h"
 #include "myrialux/clusters/cut.h"
 #include "myrialux/math/warp.h"
 
@@ -93,6 +94,18 @@ void light_tree(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(build_light_tree(room.world(), lights, kRadius, {}));
 }
 BENCHMARK(light_tree)->Arg(10'000)->Arg(100'000)->Arg(1'000'000)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+void agglomerative_tree(benchmark::State& state) {
+  const Room room;
+  const VirtualLights lights = make_lights(static_cast<std::size_t>(state.range(0)));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(build_agglomerative_tree(
+        room.world(), lights, kRadius, {.n_competing = static_cast<std::uint32_t>(state.range(1)), .key = {}}));
+}
+BENCHMARK(agglomerative_tree)
+    ->ArgsProduct({{10'000, 100'000, 1'000'000}, {8, 16, 32, 64}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 /// Arguments: clusters, points (0: all 1024). One thread; a slice an iteration.
 void cut(benchmark::State& state) {

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <string>
 
+#include "myrialux/clusters/agglomerative_tree.h"
 #include "myrialux/clusters/cut.h"
 #include "myrialux/clusters/lobe_bounds.h"
 #include "myrialux/kernels/isa.h"
@@ -41,20 +43,21 @@ double quantile(std::vector<Tightness>& all, double share) {
 }
 std::ostream& operator<<(std::ostream& out, const BoundsCase& c) { return out << c.name; }
 
-class ClusterBound : public ::testing::TestWithParam<BoundsCase> {};
-
-TEST_P(ClusterBound, IsNeverExceededAndNotTooLoose) {
-  const Room room(GetParam().options);
-  const World world = room.world();
-  const LightTree tree = build_light_tree(world, room.lights, Room::kRadius, {});
-  Rng rng({17}, Stage::test, 0);
+/// Pairs of a receiver and a node drawn at random; what passed its bound, and how loose bounds are.
+struct BoundsCheck {
+  int pairs = 0, exceeded = 0, exceeded_by_representative = 0;
   std::vector<Tightness> tightness;
-  int exceeded = 0, exceeded_by_representative = 0;
-  for (int pair = 0; pair < 30000; ++pair) {
+};
+BoundsCheck check_bounds(const Room& room, const LightTree& tree, int n_pairs, std::uint64_t seed) {
+  const World world = room.world();
+  Rng rng({seed}, Stage::test, 0);
+  BoundsCheck check;
+  while (check.pairs < n_pairs) {
     const auto i = static_cast<ReceiverId>(rng.below(static_cast<std::uint32_t>(room.receivers.size())));
     const std::uint32_t n = rng.below(static_cast<std::uint32_t>(tree.nodes.size()));
     const LightNode& node = tree.nodes[n];
     if (node.count > 128) continue;
+    ++check.pairs;
     double sum = 0, most = 0;
     for (std::uint32_t l = node.first; l < node.first + node.count; ++l) {
       const LightId j = tree.order[l];
@@ -66,17 +69,40 @@ TEST_P(ClusterBound, IsNeverExceededAndNotTooLoose) {
     // Rounding: 2e-5 of the value; cosines near 0 are off by 1e-6 in bound or transfer.
     const double near = std::max<double>(distance_squared(node.box, room.receivers.p[index(i)]), kClamp * kClamp);
     const double slack = node.kind == LightKind::directional ? 1e-6 : 1e-6 * node.importance / near;
-    exceeded += sum > bound * (1 + 2e-5) + slack;
-    if (node.kind != LightKind::glossy) exceeded_by_representative += most > bound * (1 + 2e-5) + slack;
-    if (sum > 0 && node.count > 1) tightness.push_back({bound / sum, sum});
+    check.exceeded += sum > bound * (1 + 2e-5) + slack;
+    if (node.kind != LightKind::glossy) check.exceeded_by_representative += most > bound * (1 + 2e-5) + slack;
+    if (sum > 0 && node.count > 1) check.tightness.push_back({bound / sum, sum});
   }
-  EXPECT_EQ(exceeded, 0);
-  EXPECT_EQ(exceeded_by_representative, 0);
-  ASSERT_GT(tightness.size(), 1000u);
-  const double median = quantile(tightness, 0.5), quantile_95 = quantile(tightness, 0.95);
+  return check;
+}
+
+class ClusterBound : public ::testing::TestWithParam<BoundsCase> {};
+
+TEST_P(ClusterBound, IsNeverExceededAndNotTooLoose) {
+  const Room room(GetParam().options);
+  BoundsCheck check = check_bounds(room, build_light_tree(room.world(), room.lights, Room::kRadius, {}), 30000, 17);
+  EXPECT_EQ(check.exceeded, 0);
+  EXPECT_EQ(check.exceeded_by_representative, 0);
+  ASSERT_GT(check.tightness.size(), 1000u);
+  const double median = quantile(check.tightness, 0.5), quantile_95 = quantile(check.tightness, 0.95);
   std::printf("bound / light, %s: median %.3g, 95 %% %.3g\n", GetParam().name, median, quantile_95);
   EXPECT_LT(median, GetParam().median);
   EXPECT_LT(quantile_95, GetParam().quantile_95);
+}
+
+/// 8 rooms, two trees each: a million pairs.
+TEST_P(ClusterBound, IsNotExceededByAMillionPairs_Slow) {
+  const Room room(GetParam().options);
+  const LightTree trees[] = {build_light_tree(room.world(), room.lights, Room::kRadius, {}),
+                             build_agglomerative_tree(room.world(), room.lights, Room::kRadius, {})};
+  for (const bool agglomerative : {false, true}) {
+    BoundsCheck check = check_bounds(room, trees[agglomerative], 62500, 18);
+    EXPECT_EQ(check.exceeded, 0);
+    EXPECT_EQ(check.exceeded_by_representative, 0);
+    std::printf("bound / light, %s, %s: %d pairs, median %.3g, 95 %% %.3g\n", GetParam().name,
+                agglomerative ? "agglomerative" : "divisive", check.pairs, quantile(check.tightness, 0.5),
+                quantile(check.tightness, 0.95));
+  }
 }
 
 using Kinds = std::vector<LightKind>;
@@ -157,6 +183,11 @@ TEST(CutBounds, HaveTheSameBitsInAllInstructionSets) {
         bound_groups_plain(points, clusters[n], plain_groups);
         EXPECT_EQ(groups, plain_groups) << isa_name(isa) << ' ' << n_points << " node " << n;
         EXPECT_EQ(*std::max_element(groups.begin(), groups.end()), plain[n]);
+        std::array<float, kCutLanes> lanes{}, plain_lanes{};
+        bound_lanes(points, groups.size() - 1, clusters[n], lanes);
+        bound_lanes_plain(points, groups.size() - 1, clusters[n], plain_lanes);
+        EXPECT_EQ(lanes, plain_lanes) << isa_name(isa) << ' ' << n_points << " node " << n;
+        EXPECT_EQ(*std::max_element(lanes.begin(), lanes.end()), groups.back());
       }
     }
     force_isa(0);

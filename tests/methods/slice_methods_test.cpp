@@ -113,7 +113,8 @@ TEST(Methods, UnknownNameListsTheKnown) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.kind(), ErrorKind::usage);
-    EXPECT_STREQ(e.what(), "unknown method 'bmac'; known: bamc, slice-lightcuts, lightslice, mdlc, brute-force, path");
+    EXPECT_STREQ(e.what(),
+                 "unknown method 'bmac'; known: bamc, slice-lightcuts, lightcuts, lightslice, mdlc, brute-force, path");
   }
 }
 

@@ -6,11 +6,10 @@
 #include <array>
 #include <span>
 
-#include "myrialux/base/assert.h"
 #include "myrialux/base/parallel.h"
-#include "myrialux/clusters/cone.h"
 #include "myrialux/clusters/lobe_bounds.h"
 #include "myrialux/clusters/principal_axis.h"
+#include "myrialux/clusters/tree_nodes.h"
 
 namespace myrialux {
 namespace {
@@ -30,36 +29,16 @@ struct Subtree {
   std::span<Point> points;
 };
 
-class Builder {
- public:
-  Builder(const World& world, const VirtualLights& lights, RandomKey key, LightTree& tree)
-      : world_(world), lights_(lights), key_(key), tree_(tree) {}
-  void build(const Subtree& s) const;
-
- private:
-  void make_leaf(std::uint32_t node, std::uint32_t light) const;
-  void join_children(std::uint32_t node) const;
-  GlossyNode& glossy(std::uint32_t node) const { return tree_.glossy[node - tree_.first_glossy]; }
-
-  const World& world_;
-  const VirtualLights& lights_;
-  RandomKey key_;
-  LightTree& tree_;
-};
-
+void build(const Subtree& s, const NodeMaker& maker, LightTree& tree);
 std::vector<Point> points_of_kind(const VirtualLights& lights, const LightTree& tree, LightKind kind, float scale);
 void split(std::span<Point> points);
-Vec3 cosine_normal(const VirtualLights& lights, std::size_t j);
 
 }  // namespace
 
 LightTree build_light_tree(const World& world, const VirtualLights& lights, float scene_radius,
                            const LightTreeParams& params) {
   LightTree tree;
-  tree.importance.resize(lights.size());
-  parallel_for(
-      lights.size(), [&](std::size_t j) { tree.importance[j] = lights.importance(world, static_cast<LightId>(j)); },
-      kSerialLights);
+  tree.importance = light_importance(world, lights);
 
   // Places of all nodes follow from the counts: 2 n - 1 for each kind, so subtrees are built independently.
   std::array<std::vector<Point>, kLightKinds> points;
@@ -77,10 +56,10 @@ LightTree build_light_tree(const World& world, const VirtualLights& lights, floa
   tree.nodes.resize(n_nodes);
   tree.order.resize(n_lights);
 
-  const Builder builder(world, lights, params.key, tree);
+  const NodeMaker maker(world, lights, params.key, tree);
   std::uint32_t first = 0;
   for (int k = 0; k < kLightKinds; ++k) {
-    if (!points[k].empty()) builder.build({first_node[k], first_node[k] + 1, first, points[k]});
+    if (!points[k].empty()) build({first_node[k], first_node[k] + 1, first, points[k]}, maker, tree);
     first += static_cast<std::uint32_t>(points[k].size());
   }
   return tree;
@@ -132,11 +111,6 @@ std::vector<Point> points_of_kind(const VirtualLights& lights, const LightTree& 
   return points;
 }
 
-/// The normal whose cosine the light's intensity has.
-Vec3 cosine_normal(const VirtualLights& lights, std::size_t j) {
-  return lights.kind[j] == LightKind::glossy ? lights.ng[j] : lights.n[j];
-}
-
 /// Moves the lower half along the principal axis to the front; ties by light.
 void split(std::span<Point> points) {
   if (points.size() == 2) return;
@@ -151,18 +125,18 @@ void split(std::span<Point> points) {
   });
 }
 
-void Builder::build(const Subtree& s) const {
-  LightNode& node = tree_.nodes[s.node];
+void build(const Subtree& s, const NodeMaker& maker, LightTree& tree) {
+  LightNode& node = tree.nodes[s.node];
   node.first = s.first;
   node.count = static_cast<std::uint32_t>(s.points.size());
-  if (node.count == 1) return make_leaf(s.node, s.points[0].light);
+  if (node.count == 1) return maker.make_leaf(s.node, s.points[0].light);
 
   split(s.points);
   node.left = s.descendants;
   const std::uint32_t n_left = node.count / 2, left = s.descendants, below = s.descendants + 2;
-  const auto build_left = [&] { build({left, below, s.first, s.points.first(n_left)}); };
+  const auto build_left = [&] { build({left, below, s.first, s.points.first(n_left)}, maker, tree); };
   const auto build_right = [&] {
-    build({left + 1, below + 2 * n_left - 2, s.first + n_left, s.points.subspan(n_left)});
+    build({left + 1, below + 2 * n_left - 2, s.first + n_left, s.points.subspan(n_left)}, maker, tree);
   };
   if (node.count > kSerialLights) {
     parallel_invoke(build_left, build_right);
@@ -170,39 +144,7 @@ void Builder::build(const Subtree& s) const {
     build_left();
     build_right();
   }
-  join_children(s.node);
-}
-
-void Builder::make_leaf(std::uint32_t index, std::uint32_t light) const {
-  LightNode& node = tree_.nodes[index];
-  node.kind = lights_.kind[light];
-  node.box.add(node.kind == LightKind::directional ? -lights_.n[light] : lights_.p[light]);
-  const bool has_cosine = node.kind == LightKind::oriented || node.kind == LightKind::glossy;
-  node.cone_axis = has_cosine ? cosine_normal(lights_, light) : Vec3{0, 0, 1};
-  node.cone_cos = has_cosine ? 1.0f : -1.0f;
-  node.importance = tree_.importance[light];
-  node.representative = static_cast<LightId>(light);
-  tree_.order[node.first] = static_cast<LightId>(light);
-  if (node.kind == LightKind::glossy) glossy(index) = glossy_bounds(world_, lights_, static_cast<LightId>(light));
-}
-
-void Builder::join_children(std::uint32_t index) const {
-  LightNode& node = tree_.nodes[index];
-  const LightNode &a = tree_.nodes[node.left], &b = tree_.nodes[node.left + 1];
-  node.kind = a.kind;
-  node.box = a.box;
-  node.box.add(b.box);
-  const Cone cone = join({a.cone_axis, a.cone_cos}, {b.cone_axis, b.cone_cos});
-  node.cone_axis = cone.axis, node.cone_cos = cone.cos_angle;
-  node.importance = a.importance + b.importance;
-  Rng rng(key_, Stage::light_tree, index);
-  node.representative = rng.next() * node.importance < a.importance ? a.representative : b.representative;
-  if (node.kind != LightKind::glossy) return;
-
-  const GlossyNode &ga = glossy(node.left), &gb = glossy(node.left + 1);
-  const Cone mirror = join({ga.mirror_axis, ga.mirror_cos}, {gb.mirror_axis, gb.mirror_cos});
-  glossy(index) = {mirror.axis,         mirror.cos_angle, ga.diffuse + gb.diffuse,
-                   ga.gloss + gb.gloss, ga.any + gb.any,  std::max(ga.alpha, gb.alpha)};
+  maker.join_children(s.node);
 }
 
 }  // namespace

@@ -111,14 +111,17 @@ HWY_INLINE V light_bound(const CutCluster& c, const Relative& r) {
   return hn::Add(hn::Add(bound, gloss), set(c.any));
 }
 
+/// At the lanes from k on.
+HWY_INLINE V bound_vector(const CutPoints& points, const CutPoints::Group& g, std::size_t k, const CutCluster& c) {
+  const Relative r = relative_box(g, k, c);
+  const V bound = hn::Mul(receiver_bound(points, g, k, r), light_bound(c, r));
+  return c.distant ? bound : hn::Div(bound, hn::Max(r.near_squared, set(points.least_distance_squared)));
+}
+
 /// Larger of `largest` and the bounds at the group's points, lane by lane.
 HWY_INLINE V bound_group(const CutPoints& points, const CutPoints::Group& g, const CutCluster& c, V largest) {
-  for (std::size_t k = 0; k < kCutLanes; k += hn::Lanes(Tag())) {
-    const Relative r = relative_box(g, k, c);
-    V bound = hn::Mul(receiver_bound(points, g, k, r), light_bound(c, r));
-    if (!c.distant) bound = hn::Div(bound, hn::Max(r.near_squared, set(points.least_distance_squared)));
-    largest = hn::Max(largest, bound);
-  }
+  for (std::size_t k = 0; k < kCutLanes; k += hn::Lanes(Tag()))
+    largest = hn::Max(largest, bound_vector(points, g, k, c));
   return largest;
 }
 
@@ -135,6 +138,12 @@ void bound_groups(const CutPoints& points, const CutCluster& cluster, std::span<
     bounds[g] = hn::GetLane(hn::MaxOfLanes(Tag(), bound_group(points, points.groups[g], cluster, set(0))));
 }
 
+void bound_lanes(const CutPoints& points, std::size_t group, const CutCluster& cluster,
+                 std::span<float, kCutLanes> bounds) {
+  for (std::size_t k = 0; k < kCutLanes; k += hn::Lanes(Tag()))
+    hn::StoreU(bound_vector(points, points.groups[group], k, cluster), Tag(), bounds.data() + k);
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace myrialux
@@ -144,6 +153,7 @@ HWY_AFTER_NAMESPACE();
 namespace myrialux {
 HWY_EXPORT(bound_clusters);
 HWY_EXPORT(bound_groups);
+HWY_EXPORT(bound_lanes);
 void bound_clusters(const CutPoints& points, std::span<const CutCluster> clusters, std::span<float> bounds) {
   MYRIALUX_ASSERT(clusters.size() == bounds.size() && points.least_distance_squared > 0);
   HWY_DYNAMIC_DISPATCH(bound_clusters)(points, clusters, bounds);
@@ -151,6 +161,11 @@ void bound_clusters(const CutPoints& points, std::span<const CutCluster> cluster
 void bound_groups(const CutPoints& points, const CutCluster& cluster, std::span<float> bounds) {
   MYRIALUX_ASSERT(points.groups.size() == bounds.size() && points.least_distance_squared > 0);
   HWY_DYNAMIC_DISPATCH(bound_groups)(points, cluster, bounds);
+}
+void bound_lanes(const CutPoints& points, std::size_t group, const CutCluster& cluster,
+                 std::span<float, kCutLanes> bounds) {
+  MYRIALUX_ASSERT(group < points.groups.size() && points.least_distance_squared > 0);
+  HWY_DYNAMIC_DISPATCH(bound_lanes)(points, group, cluster, bounds);
 }
 }  // namespace myrialux
 #endif

@@ -51,4 +51,10 @@ void bound_clusters_plain(const CutPoints& points, std::span<const CutCluster> c
 void bound_groups(const CutPoints& points, const CutCluster& cluster, std::span<float> bounds);
 void bound_groups_plain(const CutPoints& points, const CutCluster& cluster, std::span<float> bounds);
 
+/// Bounds of one cluster at each of the 16 points of one group.
+void bound_lanes(const CutPoints& points, std::size_t group, const CutCluster& cluster,
+                 std::span<float, kCutLanes> bounds);
+void bound_lanes_plain(const CutPoints& points, std::size_t group, const CutCluster& cluster,
+                       std::span<float, kCutLanes> bounds);
+
 }  // namespace myrialux

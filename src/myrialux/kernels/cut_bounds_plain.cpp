@@ -25,15 +25,16 @@ float receiver_bound(const CutPoints& points, const CutPoints::Group& g, std::si
   return bound;
 }
 
+float bound_lane(const CutPoints& points, const CutPoints::Group& g, std::size_t k, const CutCluster& c) {
+  const float p[3] = {g.p[0][k], g.p[1][k], g.p[2][k]};
+  const RelativeBox r = relative_box(p, p, c);
+  const float bound = receiver_bound(points, g, k, r) * light_bound(c, r);
+  return c.distant ? bound : bound / std::max(r.near_squared, points.least_distance_squared);
+}
+
 float bound_group(const CutPoints& points, const CutPoints::Group& g, const CutCluster& c) {
   float largest = 0;
-  for (std::size_t k = 0; k < kCutLanes; ++k) {
-    const float p[3] = {g.p[0][k], g.p[1][k], g.p[2][k]};
-    const RelativeBox r = relative_box(p, p, c);
-    float bound = receiver_bound(points, g, k, r) * light_bound(c, r);
-    if (!c.distant) bound = bound / std::max(r.near_squared, points.least_distance_squared);
-    largest = std::max(largest, bound);
-  }
+  for (std::size_t k = 0; k < kCutLanes; ++k) largest = std::max(largest, bound_lane(points, g, k, c));
   return largest;
 }
 
@@ -51,6 +52,12 @@ void bound_clusters_plain(const CutPoints& points, std::span<const CutCluster> c
 void bound_groups_plain(const CutPoints& points, const CutCluster& cluster, std::span<float> bounds) {
   MYRIALUX_ASSERT(points.groups.size() == bounds.size() && points.least_distance_squared > 0);
   for (std::size_t g = 0; g < bounds.size(); ++g) bounds[g] = bound_group(points, points.groups[g], cluster);
+}
+
+void bound_lanes_plain(const CutPoints& points, std::size_t group, const CutCluster& cluster,
+                       std::span<float, kCutLanes> bounds) {
+  MYRIALUX_ASSERT(group < points.groups.size() && points.least_distance_squared > 0);
+  for (std::size_t k = 0; k < kCutLanes; ++k) bounds[k] = bound_lane(points, points.groups[group], k, cluster);
 }
 
 }  // namespace myrialux

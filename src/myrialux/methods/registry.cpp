@@ -10,6 +10,8 @@ const std::vector<MethodInfo>& all_methods() {
        render_bamc},
       {"slice-lightcuts", "the same slices and cuts, every shadow ray traced",
        "Wang and Holzschuch 2020, section 5.3.4", render_slice_lightcuts},
+      {"lightcuts", "a cut of the light tree for every receiver, refined to a share of its total", "Walter et al. 2005",
+       render_lightcuts, "lightcuts.error"},
       {"lightslice", "slices, columns clustered by a reduced matrix of one traced row a slice, every shadow ray traced",
        "Ou and Pellacini 2011", render_lightslice},
       {"mdlc", "one cut a pixel through the product of its receivers and the lights, 2 % threshold",

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "myrialux/clusters/agglomerative_tree.h"
 #include "myrialux/clusters/cut.h"
 #include "myrialux/completion/bamc.h"
 #include "myrialux/report/stats.h"
@@ -24,6 +25,14 @@ struct LightSliceParams {
 /// Rows a slice, whole blocks.
 std::uint32_t lightslice_rows(std::uint64_t n_receivers, std::uint32_t n_slices, std::uint32_t block_rows);
 
+enum class TreeKind : std::uint8_t { agglomerative, divisive };
+
+struct LightcutsParams {
+  float error = 0.02f;   ///< as ReceiverCutParams; its largest size is CutParams::n_clusters
+  bool together = true;  ///< 16 neighbours are refined in one order; false: each receiver in its own, as published
+  TreeKind tree = TreeKind::agglomerative;
+};
+
 /// All knobs of all methods; which apply is in docs/methods. Settable by -D key=value (see parameter table).
 struct MethodParams {
   SliceParams slices;
@@ -34,6 +43,7 @@ struct MethodParams {
   bool bamc_cull = true;  ///< -D bamc.cull=false: trace entries whose transfer is zero, too (as published)
   float bamc_guard = 1;   ///< entries that may weigh more than this many times the mean are traced; 0: none (published)
   float mdlc_error = 0.02f;  ///< largest bound of a pair that is left, over the pixel's estimate
+  LightcutsParams lightcuts;
   RandomKey key;
 };
 
@@ -69,6 +79,7 @@ const MethodInfo& find_method(const std::string& name);
 
 MethodResult render_bamc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_slice_lightcuts(const FrameView&, const MethodParams&, Progress&, RenderStats&);
+MethodResult render_lightcuts(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_mdlc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_lightslice(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_brute_force(const FrameView&, const MethodParams&, Progress&, RenderStats&);

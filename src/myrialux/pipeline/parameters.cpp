@@ -2,6 +2,7 @@
 #include "myrialux/pipeline/parameters.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -60,6 +61,21 @@ Key switch_key(const std::string& name, std::string meaning, const std::function
   return {name, std::move(meaning), get, set};
 }
 
+/// @param names what may be given, in the order of the values of the enumeration
+template <class Enum>
+Key choice_key(const std::string& name, const std::vector<std::string>& names, std::string meaning,
+               const std::function<Enum&(TunedParams&)>& member) {
+  const auto set = [=](TunedParams& p, const std::string& text) {
+    const auto it = std::find(names.begin(), names.end(), text);
+    if (it == names.end()) refuse(name, text, fmt::format("{}", fmt::join(names, " or ")));
+    member(p) = static_cast<Enum>(it - names.begin());
+  };
+  const auto get = [=](const TunedParams& p) {
+    return names[static_cast<std::size_t>(member(const_cast<TunedParams&>(p)))];
+  };
+  return {name, std::move(meaning), get, set};
+}
+
 const std::vector<Key>& keys() {
   using P = TunedParams;
   static const std::vector<Key> table = {
@@ -92,6 +108,15 @@ const std::vector<Key>& keys() {
       number_key(
           "bamc.guard", 0, 1e30f, "entries above this many times the picture's mean are always traced; 0: as published",
           [](P & p) -> auto& { return p.method.bamc_guard; }),
+      number_key(
+          "lightcuts.error", 0, 1, "largest error bound of a cluster over the receiver's total",
+          [](P & p) -> auto& { return p.method.lightcuts.error; }),
+      choice_key<TreeKind>(
+          "lightcuts.tree", {"agglomerative", "divisive"}, "how the light tree is built: agglomerative or divisive",
+          [](P & p) -> auto& { return p.method.lightcuts.tree; }),
+      switch_key(
+          "lightcuts.together", "refine 16 neighbouring receivers in one order; false: each alone, as published",
+          [](P & p) -> auto& { return p.method.lightcuts.together; }),
       number_key(
           "mdlc.error", 0, 1, "largest error bound of a pair of clusters, as a share of the pixel's estimate",
           [](P & p) -> auto& { return p.method.mdlc_error; }),

@@ -8,9 +8,9 @@
 
 #include "myrialux/base/clock.h"
 #include "myrialux/kernels/active_bits.h"
-#include "myrialux/kernels/shadow_ends.h"
 #include "myrialux/matrix/bit_ops.h"
 #include "myrialux/transfer/transfer.h"
+#include "myrialux/visibility/shadow_light.h"
 
 namespace myrialux {
 namespace {
@@ -55,17 +55,6 @@ ActivityLight activity_light(const World& world, const VirtualLights& lights, st
   if (lights.kind[j] == LightKind::oriented) light.sides = LitSides::front;
   if (lights.kind[j] == LightKind::glossy)
     light.sides = transmits(world, lights.glossy[lights.extra[j]].bsdf) ? LitSides::front_and_back : LitSides::front;
-  return light;
-}
-
-ShadowLight shadow_light(const VirtualLights& lights, std::size_t j) {
-  ShadowLight light{};
-  light.end = lights.kind[j] == LightKind::directional ? SegmentEnd::direction
-              : lights.kind[j] == LightKind::point     ? SegmentEnd::open
-                                                       : SegmentEnd::surface;
-  copy_to(light.p, light.end == SegmentEnd::direction ? -lights.n[j] : lights.p[j]);
-  copy_to(light.ng, lights.ng[j]);
-  light.offset = lights.offset[j];
   return light;
 }
 

@@ -1,0 +1,201 @@
+// A light cut for every receiver, refined until each cluster's error bound is a small share of the receiver's total.
+// [walter05] Deviations: docs/methods/lightcuts.md.
+#include <algorithm>
+#include <bit>
+
+#include "myrialux/base/clock.h"
+#include "myrialux/base/parallel.h"
+#include "myrialux/clusters/receiver_cut.h"
+#include "myrialux/methods/render.h"
+#include "myrialux/shading/gather.h"
+#include "myrialux/visibility/shadow_light.h"
+
+namespace myrialux {
+namespace {
+
+/// Counters of one block of receivers.
+struct BlockReport {
+  std::uint64_t rays = 0, sizes = 0;
+  double trace_s = 0, shade_s = 0, all_s = 0;  ///< CPU seconds
+};
+
+/// 64 receivers laid out for the kernels; lights are evaluated at 16 of them at a time.
+class Block final : public LightAtPacket {
+ public:
+  Block(const FrameView& frame, std::span<const ReceiverId> rows, float clamp_distance);
+  /// Chooses the 16 receivers that evaluate() is about.
+  void select(std::size_t packet) { first_ = packet * kPacketRows; }
+  void evaluate(LightId light, std::uint32_t rows, PacketLight& arriving) override;
+  std::uint64_t rays() const { return rays_; }
+
+ private:
+  /// Unoccluded; @param rows bits of the block
+  void shade(LightId light, std::uint64_t rows);
+  std::uint32_t occluded(LightId light, std::uint32_t rows);
+
+  const FrameView& frame_;
+  float clamp_distance_;
+  std::size_t first_ = 0;
+  std::uint64_t rays_ = 0;
+  GatheredRows rows_;
+  CoatTables tables_;
+  GatheredColumns column_;
+  alignas(64) BlockFloats offset_{};
+  BlockSums diffuse_{}, others_{};
+};
+
+LightTree build_tree(const FrameView& frame, const MethodParams& params);
+void cut_block(const FrameView& frame, const MethodParams& params, const LightTree& tree,
+               std::span<const ReceiverId> rows, MethodResult& result, BlockReport& report);
+
+}  // namespace
+
+MethodResult render_lightcuts(const FrameView& frame, const MethodParams& params, Progress& progress,
+                              RenderStats& stats) {
+  // Neighbours share packets: the order of slices, without their borders.
+  Stopwatch wall;
+  progress.stage("clusters", 0, "");
+  const Slices slices = make_slices(frame.receivers, frame.scene_radius, params.slices);
+  const LightTree tree = build_tree(frame, params);
+  stats.time_s["cluster"] += wall.lap();
+
+  const std::size_t n = frame.receivers.size(), n_blocks = (n + kBlockRows - 1) / kBlockRows;
+  MethodResult result;
+  result.radiance.resize(n);
+  result.cut_size.resize(n);
+  std::vector<BlockReport> reports(n_blocks);
+  progress.stage("receivers", n, "receivers");
+  parallel_for(n_blocks, [&](std::size_t b) {
+    const std::size_t first = b * kBlockRows, count = std::min(kBlockRows, n - first);
+    cut_block(frame, params, tree, std::span(slices.order).subspan(first, count), result, reports[b]);
+    progress.advance(count);
+  });
+
+  BlockReport sum;
+  for (const BlockReport& r : reports) sum.rays += r.rays, sum.sizes += r.sizes;
+  stats.time_s["visibility"] += wall.lap();
+  stats.visibility.entries += sum.rays;
+  stats.visibility.traced += sum.rays;
+  stats.rays.shadow += sum.rays;
+  if (n > 0) stats.clusters_mean += static_cast<double>(sum.sizes) / static_cast<double>(n);
+  return result;
+}
+
+namespace {
+
+LightTree build_tree(const FrameView& frame, const MethodParams& params) {
+  if (params.lightcuts.tree == TreeKind::divisive)
+    return build_light_tree(frame.world, frame.lights, frame.scene_radius, params.tree);
+  return build_agglomerative_tree(frame.world, frame.lights, frame.scene_radius, {.key = params.tree.key});
+}
+
+void cut_block(const FrameView& frame, const MethodParams& params, const LightTree& tree,
+               std::span<const ReceiverId> rows, MethodResult& result, BlockReport& report) {
+  const float clamp = params.cut.clamp_distance;
+  const CutPoints points = make_cut_points(frame.world, frame.receivers, rows, clamp);
+  const ReceiverCutParams cut_params{params.lightcuts.error, params.cut.n_clusters};
+  Block block(frame, rows, clamp);
+  for (std::size_t g = 0; g < points.groups.size(); ++g) {
+    block.select(g);
+    const std::size_t first = g * kCutLanes, count = std::min(kCutLanes, rows.size() - first);
+    const std::size_t step = params.lightcuts.together ? count : 1;
+    for (std::size_t k = 0; k < count; k += step) {
+      const std::uint32_t lanes = ((1u << step) - 1) << k;
+      const PacketCut cut = cut_packet(tree, points, g, lanes, cut_params, block);
+      for (std::size_t lane = k; lane < k + step; ++lane) {
+        const std::size_t i = index(rows[first + lane]);
+        result.radiance[i] = cut.radiance[lane];
+        result.cut_size[i] = static_cast<float>(cut.size[lane]);
+        report.sizes += cut.size[lane];
+      }
+    }
+  }
+  report.rays = block.rays();
+}
+
+Block::Block(const FrameView& frame, std::span<const ReceiverId> rows, float clamp_distance)
+    : frame_(frame), clamp_distance_(clamp_distance) {
+  gather_rows(frame.world, frame.receivers, rows, tables_, rows_);
+  for (std::size_t k = 0; k < rows.size(); ++k) offset_[k] = frame.receivers.offset[index(rows[k])];
+}
+
+void Block::evaluate(LightId light, std::uint32_t rows, PacketLight& arriving) {
+  shade(light, std::uint64_t{rows} << first_);
+  std::uint32_t lit = 0;
+  for (std::size_t k = 0; k < kPacketRows; ++k) {
+    const std::size_t row = first_ + k;
+    float sum = 0;
+    const float albedo[3] = {rows_.albedo[row].r, rows_.albedo[row].g, rows_.albedo[row].b};
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float value = albedo[c] * diffuse_.rgb[c][row] + others_.rgb[c][row];
+      arriving.rgb[c][k] = value;
+      sum += value;
+    }
+    if (sum > 0) lit |= 1u << k;
+  }
+  lit &= rows;
+  if (lit == 0) return;
+  rays_ += static_cast<std::uint64_t>(std::popcount(lit));
+  const std::uint32_t blocked = occluded(light, lit);
+  for (std::size_t k = 0; k < kPacketRows; ++k)
+    if (blocked >> k & 1)
+      for (auto& channel : arriving.rgb) channel[k] = 0;
+}
+
+void Block::shade(LightId light, std::uint64_t rows) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::fill_n(diffuse_.rgb[c] + first_, kPacketRows, 0.0f);
+    std::fill_n(others_.rgb[c] + first_, kPacketRows, 0.0f);
+  }
+  const Column column{light};
+  gather_columns(frame_.world, frame_.lights, std::span(&column, 1), tables_, column_);
+  bool fast = false;
+  for (std::size_t kind = 0; kind < column_.diffuse.size(); ++kind) {
+    const DiffuseColumns& run = column_.diffuse[kind];
+    const std::uint64_t bits = rows & rows_.diffuse;
+    if (run.lights.empty()) continue;
+    fast = true;
+    if (bits == 0) continue;
+    shade_diffuse(rows_.block,
+                  {.kind = static_cast<DiffuseLight>(kind),
+                   .lights = run.lights,
+                   .visible = std::span(&bits, 1),
+                   .bumpy = run.bumpy || rows_.bumpy,
+                   .clamp_distance = clamp_distance_,
+                   .tracked = 0},
+                  diffuse_);
+  }
+  const std::uint64_t bits = rows & (fast ? rows_.others : rows_.others | rows_.diffuse);
+  if (bits == 0 || column_.general.empty()) return;
+  shade_general(rows_.block, rows_.lobes,
+                {.lights = column_.general,
+                 .visible = std::span(&bits, 1),
+                 .spots = column_.spots,
+                 .lobes = column_.lobes,
+                 .tables = tables_.values(),
+                 .clamp_distance = clamp_distance_,
+                 .tracked = 0},
+                others_);
+}
+
+std::uint32_t Block::occluded(LightId light, std::uint32_t rows) {
+  const ShadowLight end = shadow_light(frame_.lights, index(light));
+  const RowBlock& b = rows_.block;
+  const PacketRows packet{{b.p[0] + first_, b.p[1] + first_, b.p[2] + first_},
+                          {b.ng[0] + first_, b.ng[1] + first_, b.ng[2] + first_},
+                          offset_ + first_};
+  Segments<16> s;
+  float* const from[3] = {s.from_x, s.from_y, s.from_z};
+  float* const to[3] = {s.to_x, s.to_y, s.to_z};
+  shadow_ends(packet, end, from, to);
+  const Tracer& tracer = frame_.world.tracer;
+  const bool distant = end.end == SegmentEnd::direction;
+  if (std::popcount(rows) > 1)
+    return distant ? tracer.occluded_packet_direction<16>(s, rows, true) : tracer.occluded_packet<16>(s, rows, true);
+  const auto k = static_cast<std::size_t>(std::countr_zero(rows));
+  const Vec3 a{s.from_x[k], s.from_y[k], s.from_z[k]}, t{s.to_x[k], s.to_y[k], s.to_z[k]};
+  return (distant ? tracer.occluded_direction(a, t) : tracer.occluded(a, t)) ? rows : 0;
+}
+
+}  // namespace
+}  // namespace myrialux
