@@ -42,7 +42,7 @@ double total_cost(const LightTree& tree, float c2) {
 constexpr float kC2 = 4 * Room::kRadius * Room::kRadius;
 
 TEST(AgglomerativeTree, HoldsEveryLightInOneLeaf) {
-  for (const std::size_t n : {0, 1, 2, 3, 5, 64, 1001, 20000}) {
+  for (const std::size_t n : {0, 1, 2, 3, 5, 64, 1001, 6000}) {
     const Room room({.n_receivers = 1, .n_lights = n, .kinds = kAllKinds, .glossy = true});
     const LightTree tree = build(room);
     std::vector<LightId> sorted = tree.order;

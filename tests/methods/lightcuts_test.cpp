@@ -84,7 +84,7 @@ TEST(Lightcuts, ErrorFallsWithTheThreshold) {
 
 TEST(Lightcuts, ErrorFallsWithTheThresholdInASharedRoom_Slow) {
   MYRIALUX_REQUIRE_SCENES();
-  MethodFrame f(load_scene(test::scenes_folder() + "/veach-ajar/scene.xml", {}).scene, 10000, 32);
+  MethodFrame f(load_scene(test::scenes_folder() + "/veach-ajar/scene.xml"), 10000, 32);
   expect_error_falls(f, 0.02);
 }
 

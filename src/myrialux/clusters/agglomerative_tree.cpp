@@ -1,61 +1,88 @@
-// Builds a light tree bottom-up. Lights are sorted along a curve through position and normal; halves of the curve are
-// clustered on their own down to a few groups, which then compete with those of the other half. [gu13; walter05, 5]
-// Deviation from [gu13]: the curve runs through six dimensions, and the number of groups kept grows with the fourth
-// root of a subtree's lights.
+// Builds a light tree bottom-up. Lights are sorted along a curve through position and normal; both halves of the curve
+// are clustered on their own down to a few groups, which then compete with each other. [gu13; walter05, 5]
+// Deviations from [gu13]: the curve runs through six dimensions; costs are kept in a matrix.
 #include "myrialux/clusters/agglomerative_tree.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <span>
+#include <cmath>
+#include <limits>
 
-#include "myrialux/base/assert.h"
 #include "myrialux/base/parallel.h"
 #include "myrialux/clusters/light_metric.h"
-#include "myrialux/clusters/tree_nodes.h"
+#include "myrialux/clusters/merges.h"
 
 namespace myrialux {
 namespace {
 
 constexpr std::size_t kSerialLights = 1 << 12;  ///< below this a task costs more than it gains
 
-/// A light and where it lies on the curve.
-struct Placed {
-  std::uint64_t code;
-  std::uint32_t light;
+/// Lights of one kind in the order of their codes, which tell where they lie on the curve.
+struct Curve {
+  std::vector<std::uint32_t> lights;
+  std::vector<std::uint64_t> codes;
 };
-std::vector<Placed> lights_along_curve(const VirtualLights& lights, const LightTree& tree, LightKind kind,
-                                       float radius);
+Curve sort_along_curve(const VirtualLights& lights, const LightTree& tree, LightKind kind);
 
-/// A binary tree as a list of merges. Of n leaves; leaf k is node k, merge m is node n + m.
-struct Merges {
-  std::vector<std::array<std::uint32_t, 2>> parts;  ///< [n]; n - 1 are used
-  std::uint32_t root = 0;
+/// What costs are measured with: see join_cost().
+struct Measure {
+  float c2, least;
+};
+Measure measure_of(LightKind kind, float scene_radius);
+
+/// Groups that look for partners, and what each pair would cost.
+class Competition {
+ public:
+  Competition(std::vector<LightGroup>& groups, Measure measure);
+  /// Joins the cheapest pair until n_left groups are left. @param n_leaves numbers of merges begin there
+  void run(std::size_t n_left, std::uint32_t n_leaves, Merges& merges);
+
+ private:
+  float& cost(std::size_t i, std::size_t j) { return costs()[i * stride_ + j]; }
+  void find_partner(std::size_t i);
+  void set_cost(std::size_t i, std::size_t j);
+  void join_pair(std::size_t i, std::size_t j);
+  static std::vector<float>& costs() {
+    thread_local std::vector<float> memory;
+    return memory;
+  }
+
+  std::vector<LightGroup>& groups_;
+  Measure measure_;
+  std::size_t stride_;
+  std::vector<std::uint32_t> partner_;  ///< the cheapest of each group
 };
 
+/// Clusters a curve; recursion over its halves.
 class Clustering {
  public:
-  Clustering(const VirtualLights& lights, const LightTree& tree, std::span<const Placed> leaves, float c2, float least,
-             std::uint32_t n_competing);
+  Clustering(const VirtualLights& lights, const LightTree& tree, const Curve& curve, Measure measure,
+             std::uint32_t n_competing)
+      : lights_(lights), tree_(tree), curve_(curve), measure_(measure), n_competing_(n_competing) {
+    merges_.parts.resize(curve.lights.size());
+  }
   Merges run();
 
  private:
-  using Groups = std::vector<LightGroup>;
-  Groups cluster(std::size_t first, std::size_t last);
-  void reduce(Groups& groups, std::size_t n_left);
+  std::vector<LightGroup> cluster(std::size_t first, std::size_t last);
+  std::size_t split(std::size_t first, std::size_t last) const;
   std::size_t n_kept(std::size_t n_lights) const;
   LightGroup leaf(std::size_t k) const;
 
   const VirtualLights& lights_;
   const LightTree& tree_;
-  std::span<const Placed> leaves_;
-  float c2_, least_;
+  const Curve& curve_;
+  Measure measure_;
   std::size_t n_competing_;
   Merges merges_;
 };
 
-void lay_out(const Merges& merges, std::span<const Placed> leaves, std::uint32_t root, std::uint32_t first,
-             const NodeMaker& maker, LightTree& tree);
+bool has_cosine(LightKind kind) { return kind == LightKind::oriented || kind == LightKind::glossy; }
+
+/// Directional lights: by where they come from.
+Vec3 place_of(const VirtualLights& lights, std::size_t j) {
+  return lights.kind[j] == LightKind::directional ? -lights.n[j] : lights.p[j];
+}
 
 }  // namespace
 
@@ -63,252 +90,194 @@ LightTree build_agglomerative_tree(const World& world, const VirtualLights& ligh
                                    const AgglomerativeParams& params) {
   LightTree tree;
   tree.importance = light_importance(world, lights);
-  std::array<std::vector<Placed>, kLightKinds> leaves;
-  std::array<std::uint32_t, kLightKinds> first_node{};
-  std::size_t n_nodes = 0, n_lights = 0;
-  for (int k = 0; k < kLightKinds; ++k) {
-    leaves[k] = lights_along_curve(lights, tree, static_cast<LightKind>(k), scene_radius);
-    first_node[k] = static_cast<std::uint32_t>(n_nodes);
-    if (leaves[k].empty()) continue;
-    const std::size_t n = 2 * leaves[k].size() - 1;
-    if (static_cast<LightKind>(k) == LightKind::glossy) tree.first_glossy = first_node[k], tree.glossy.resize(n);
-    tree.roots.push_back(first_node[k]);
-    n_nodes += n, n_lights += leaves[k].size();
+  std::array<Curve, kLightKinds> curves;
+  std::array<std::size_t, kLightKinds> n_lights{};
+  for (std::size_t k = 0; k < kLightKinds; ++k) {
+    curves[k] = sort_along_curve(lights, tree, static_cast<LightKind>(k));
+    n_lights[k] = curves[k].lights.size();
   }
-  tree.nodes.resize(n_nodes);
-  tree.order.resize(n_lights);
+  const std::array<std::uint32_t, kLightKinds> roots = reserve_nodes(n_lights, tree);
 
   const NodeMaker maker(world, lights, params.key, tree);
   std::uint32_t first = 0;
-  for (int k = 0; k < kLightKinds; ++k) {
-    if (leaves[k].empty()) continue;
-    const auto kind = static_cast<LightKind>(k);
-    const bool has_cosine = kind == LightKind::oriented || kind == LightKind::glossy;
-    const float size = kind == LightKind::directional ? 2.0f : 2 * scene_radius;
-    Clustering clustering(lights, tree, leaves[k], has_cosine ? size * size : 0.0f, 1e-12f * size * size,
-                          params.n_competing);
-    lay_out(clustering.run(), leaves[k], first_node[k], first, maker, tree);
-    first += static_cast<std::uint32_t>(leaves[k].size());
+  for (std::size_t k = 0; k < kLightKinds; ++k) {
+    if (n_lights[k] == 0) continue;
+    const Measure measure = measure_of(static_cast<LightKind>(k), scene_radius);
+    const Merges merges = Clustering(lights, tree, curves[k], measure, params.n_competing).run();
+    lay_out(merges, curves[k].lights, roots[k], first, maker, tree);
+    first += static_cast<std::uint32_t>(n_lights[k]);
   }
   return tree;
 }
 
 namespace {
 
-/// Bits of six coordinates, each in [0, 1], interleaved.
-std::uint64_t interleave(const std::array<float, 6>& x) {
-  constexpr int kBits = 10;
+/// Ten bits of each of six coordinates in [0, 1], interleaved.
+std::uint64_t curve_code(Vec3 p, Vec3 n) {
+  const float x[6] = {p.x, p.y, p.z, n.x, n.y, n.z};
   std::uint64_t code = 0;
   for (int a = 0; a < 6; ++a) {
-    auto v = static_cast<std::uint64_t>(std::clamp(x[a] * 1024.0f, 0.0f, 1023.0f));
-    for (int bit = 0; bit < kBits; ++bit) code |= (v >> bit & 1) << (6 * bit + a);
+    const auto cell = static_cast<std::uint64_t>(std::clamp(x[a] * 1024, 0.0f, 1023.0f));
+    for (int bit = 0; bit < 10; ++bit) code |= (cell >> bit & 1) << (6 * bit + a);
   }
   return code;
 }
 
-std::vector<Placed> lights_along_curve(const VirtualLights& lights, const LightTree& tree, LightKind kind,
-                                       float radius) {
-  std::vector<Placed> placed;
+Curve sort_along_curve(const VirtualLights& lights, const LightTree& tree, LightKind kind) {
+  struct Coded {
+    std::uint64_t code;
+    std::uint32_t light;
+  };
+  std::vector<Coded> coded;
   Box3 box;
   for (std::size_t j = 0; j < lights.size(); ++j)
     if (lights.kind[j] == kind && tree.importance[j] > 0) {
-      placed.push_back({0, static_cast<std::uint32_t>(j)});
-      box.add(kind == LightKind::directional ? -lights.n[j] : lights.p[j]);
+      coded.push_back({0, static_cast<std::uint32_t>(j)});
+      box.add(place_of(lights, j));
     }
-  (void)radius;
+
+  // Opposite normals are as far from each other as ends of half the box.
+  constexpr float kNormal = 0.25f;
   const Vec3 extent = box.upper - box.lower;
   const float largest = std::max({extent.x, extent.y, extent.z, 1e-30f});
-  parallel_for(
-      placed.size(),
-      [&](std::size_t k) {
-        const std::size_t j = placed[k].light;
-        const Vec3 p = ((kind == LightKind::directional ? -lights.n[j] : lights.p[j]) - box.lower) / largest;
-        Vec3 n{};
-        if (kind == LightKind::oriented || kind == LightKind::glossy)
-          n = cosine_normal(lights, j) * 0.25f + Vec3{0.25f, 0.25f, 0.25f};
-        placed[k].code = interleave({p.x, p.y, p.z, n.x, n.y, n.z});
-      },
-      kSerialLights);
-  std::sort(placed.begin(), placed.end(), [](const Placed& a, const Placed& b) {
-    return a.code < b.code || (a.code == b.code && a.light < b.light);
-  });
-  return placed;
+  const auto set_code = [&](std::size_t k) {
+    const std::size_t j = coded[k].light;
+    const Vec3 n = has_cosine(kind) ? (cosine_normal(lights, j) + Vec3{1, 1, 1}) * kNormal : Vec3{};
+    coded[k].code = curve_code((place_of(lights, j) - box.lower) / largest, n);
+  };
+  parallel_for(coded.size(), set_code, kSerialLights);
+  std::sort(coded.begin(), coded.end(),
+            [](const Coded& a, const Coded& b) { return a.code < b.code || (a.code == b.code && a.light < b.light); });
+  Curve curve;
+  curve.lights.reserve(coded.size()), curve.codes.reserve(coded.size());
+  for (const Coded& c : coded) curve.lights.push_back(c.light), curve.codes.push_back(c.code);
+  return curve;
 }
 
-Clustering::Clustering(const VirtualLights& lights, const LightTree& tree, std::span<const Placed> leaves, float c2,
-                       float least, std::uint32_t n_competing)
-    : lights_(lights), tree_(tree), leaves_(leaves), c2_(c2), least_(least), n_competing_(n_competing) {
-  merges_.parts.resize(leaves.size());
+Measure measure_of(LightKind kind, float scene_radius) {
+  constexpr float kLeast = 1e-12f;  // of the squared size; see join_cost()
+  const float size = kind == LightKind::directional ? 2 : 2 * scene_radius;
+  return {has_cosine(kind) ? size * size : 0, std::max(kLeast * size * size, 1e-30f)};
 }
 
 LightGroup Clustering::leaf(std::size_t k) const {
-  const std::size_t j = leaves_[k].light;
+  const std::size_t j = curve_.lights[k];
   LightGroup g;
-  const bool directional = lights_.kind[j] == LightKind::directional;
-  g.box.add(directional ? -lights_.n[j] : lights_.p[j]);
-  g.axis = c2_ > 0 ? cosine_normal(lights_, j) : Vec3{0, 0, 1};
+  g.box.add(place_of(lights_, j));
+  g.axis = has_cosine(lights_.kind[j]) ? cosine_normal(lights_, j) : Vec3{0, 0, 1};
   g.intensity = tree_.importance[j];
   g.id = g.slot = static_cast<std::uint32_t>(k);
   return g;
 }
 
 Merges Clustering::run() {
-  Groups top = cluster(0, leaves_.size());
-  reduce(top, 1);
+  const std::size_t n = curve_.lights.size();
+  std::vector<LightGroup> top = cluster(0, n);
+  Competition(top, measure_).run(1, static_cast<std::uint32_t>(n), merges_);
   merges_.root = top[0].id;
   return std::move(merges_);
 }
 
-/// Groups that a subtree hands up.
+/// Groups that a subtree hands up: half of those that compete at the lowest level, more for larger subtrees. Higher up
+/// more groups are there, and a wrong partner costs more. [gu13, 3]
 std::size_t Clustering::n_kept(std::size_t n_lights) const {
-  const double share = static_cast<double>(n_lights) / static_cast<double>(n_competing_);
-  return std::max<std::size_t>(
-      1, static_cast<std::size_t>(0.5 * static_cast<double>(n_competing_) * std::pow(share, 0.25)));
+  const double competing = static_cast<double>(n_competing_), share = static_cast<double>(n_lights) / competing;
+  return std::max<std::size_t>(1, static_cast<std::size_t>(competing / 2 * std::pow(share, 0.25)));
 }
 
-Clustering::Groups Clustering::cluster(std::size_t first, std::size_t last) {
+std::vector<LightGroup> Clustering::cluster(std::size_t first, std::size_t last) {
   const std::size_t n = last - first;
-  Groups groups;
+  std::vector<LightGroup> groups;
   if (n <= n_competing_) {
     for (std::size_t k = first; k < last; ++k) groups.push_back(leaf(k));
   } else {
-    // Where the highest bit that differs changes; the middle if none does.
-    std::size_t middle = first + n / 2;
-    const std::uint64_t differ = leaves_[first].code ^ leaves_[last - 1].code;
-    if (differ != 0) {
-      const std::uint64_t bit = std::bit_floor(differ);
-      middle = static_cast<std::size_t>(std::partition_point(leaves_.begin() + first, leaves_.begin() + last,
-                                                             [&](const Placed& p) { return (p.code & bit) == 0; }) -
-                                        leaves_.begin());
-    }
-    Groups right;
-    const auto do_left = [&] { groups = cluster(first, middle); };
-    const auto do_right = [&] { right = cluster(middle, last); };
+    const std::size_t middle = split(first, last);
+    std::vector<LightGroup> others;
+    const auto cluster_left = [&] { groups = cluster(first, middle); };
+    const auto cluster_right = [&] { others = cluster(middle, last); };
     if (n > kSerialLights) {
-      parallel_invoke(do_left, do_right);
+      parallel_invoke(cluster_left, cluster_right);
     } else {
-      do_left();
-      do_right();
+      cluster_left();
+      cluster_right();
     }
-    groups.insert(groups.end(), right.begin(), right.end());
+    groups.insert(groups.end(), others.begin(), others.end());
   }
-  reduce(groups, n_kept(n));
+  const std::size_t kept = n_kept(n);
+  if (groups.size() > kept)
+    Competition(groups, measure_).run(kept, static_cast<std::uint32_t>(curve_.lights.size()), merges_);
   return groups;
 }
 
-/// Joins the cheapest pair until n_left groups are left.
-void Clustering::reduce(Groups& groups, std::size_t n_left) {
-  std::size_t n = groups.size();
-  if (n <= n_left) return;
-  thread_local std::vector<float> cost;
-  thread_local std::vector<std::uint32_t> partner;
-  const std::size_t stride = n;
-  cost.assign(n * n, std::numeric_limits<float>::infinity());
-  partner.assign(n, 0);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      cost[i * stride + j] = cost[j * stride + i] = join_cost(groups[i], groups[j], c2_, least_);
-  const auto find_partner = [&](std::size_t i) {
-    const float* row = &cost[i * stride];
-    std::size_t best = i == 0 ? 1 : 0;
-    for (std::size_t j = 0; j < n; ++j)
-      if (row[j] < row[best]) best = j;
-    partner[i] = static_cast<std::uint32_t>(best);
-  };
-  for (std::size_t i = 0; i < n; ++i) find_partner(i);
-  while (n > n_left) {
-    std::size_t i = 0;
-    for (std::size_t k = 1; k < n; ++k)
-      if (cost[k * stride + partner[k]] < cost[i * stride + partner[i]]) i = k;
-    std::size_t j = partner[i];
-    if (j < i) std::swap(i, j);
-
-    LightGroup joined = join(groups[i], groups[j]);
-    const std::uint32_t slot = groups[i].slot;
-    merges_.parts[slot] = {groups[i].id, groups[j].id};
-    joined.id = static_cast<std::uint32_t>(leaves_.size()) + slot;
-    joined.slot = groups[j].slot;
-    groups[i] = joined;
-    // The last group moves into the gap.
-    --n;
-    const std::size_t moved = n;
-    if (j != moved) {
-      groups[j] = groups[moved];
-      partner[j] = partner[moved];
-      for (std::size_t k = 0; k < n; ++k) cost[j * stride + k] = cost[k * stride + j] = cost[moved * stride + k];
-      cost[j * stride + j] = std::numeric_limits<float>::infinity();
-    }
-    for (std::size_t k = 0; k < n; ++k)
-      if (k != i) cost[i * stride + k] = cost[k * stride + i] = join_cost(groups[i], groups[k], c2_, least_);
-    if (n == 1) break;
-    for (std::size_t k = 0; k < n; ++k) {
-      if (k == i || partner[k] == i || partner[k] == j)
-        find_partner(k);
-      else if (partner[k] == moved)
-        partner[k] = static_cast<std::uint32_t>(j);
-    }
-  }
-  groups.resize(n_left);
+/// Where the highest bit in which codes differ changes; the middle if they are all the same.
+std::size_t Clustering::split(std::size_t first, std::size_t last) const {
+  const std::uint64_t differ = curve_.codes[first] ^ curve_.codes[last - 1];
+  if (differ == 0) return first + (last - first) / 2;
+  const std::uint64_t bit = std::bit_floor(differ);
+  const auto begin = curve_.codes.begin();
+  const auto middle =
+      std::partition_point(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(last),
+                           [&](std::uint64_t code) { return (code & bit) == 0; });
+  return static_cast<std::size_t>(middle - begin);
 }
 
-/// Gives every merge its place in the tree, then fills nodes from the leaves up.
-void lay_out(const Merges& merges, std::span<const Placed> leaves, std::uint32_t root, std::uint32_t first,
-             const NodeMaker& maker, LightTree& tree) {
-  const auto n = static_cast<std::uint32_t>(leaves.size());
-  // Lights below each merge, from a list in which parts come after their whole.
-  std::vector<std::uint32_t> down;
-  down.reserve(n);
-  if (merges.root >= n) down.push_back(merges.root);
-  for (std::size_t k = 0; k < down.size(); ++k)
-    for (const std::uint32_t part : merges.parts[down[k] - n])
-      if (part >= n) down.push_back(part);
-  std::vector<std::uint32_t> count(n, 1);
-  const auto count_of = [&](std::uint32_t id) { return id < n ? 1u : count[id - n]; };
-  for (std::size_t k = down.size(); k-- > 0;) {
-    const auto& parts = merges.parts[down[k] - n];
-    count[down[k] - n] = count_of(parts[0]) + count_of(parts[1]);
-  }
+Competition::Competition(std::vector<LightGroup>& groups, Measure measure)
+    : groups_(groups), measure_(measure), stride_(groups.size()), partner_(groups.size()) {
+  costs().assign(stride_ * stride_, std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < stride_; ++i)
+    for (std::size_t j = 0; j < i; ++j) set_cost(i, j);
+  if (stride_ > 1)
+    for (std::size_t i = 0; i < stride_; ++i) find_partner(i);
+}
 
-  struct Place {
-    std::uint32_t id, node, descendants, first;
-  };
-  const auto place = [&](const Place& p, std::vector<Place>& open) {
-    LightNode& node = tree.nodes[p.node];
-    node.first = p.first;
-    node.count = count_of(p.id);
-    if (p.id < n) return maker.make_leaf(p.node, leaves[p.id].light);
-    node.left = p.descendants;
-    const auto& parts = merges.parts[p.id - n];
-    const std::uint32_t n_left = count_of(parts[0]), below = p.descendants + 2;
-    open.push_back({parts[0], p.descendants, below, p.first});
-    open.push_back({parts[1], p.descendants + 1, below + 2 * n_left - 2, p.first + n_left});
-  };
-  const auto fill_subtree = [&](const Place& top) {
-    std::vector<Place> open{top};
-    std::vector<std::uint32_t> inner;
-    while (!open.empty()) {
-      const Place p = open.back();
-      open.pop_back();
-      place(p, open);
-      if (p.id >= n) inner.push_back(p.node);
-    }
-    for (std::size_t k = inner.size(); k-- > 0;) maker.join_children(inner[k]);
-  };
+void Competition::set_cost(std::size_t i, std::size_t j) {
+  cost(i, j) = cost(j, i) = join_cost(groups_[i], groups_[j], measure_.c2, measure_.least);
+}
 
-  std::vector<Place> open{{merges.root, root, root + 1, first}}, subtrees;
-  std::vector<std::uint32_t> upper;
-  while (!open.empty()) {
-    const Place p = open.back();
-    open.pop_back();
-    if (count_of(p.id) <= kSerialLights) {
-      subtrees.push_back(p);
-    } else {
-      place(p, open);
-      upper.push_back(p.node);
-    }
+/// Ties to the lower place.
+void Competition::find_partner(std::size_t i) {
+  const float* row = &cost(i, 0);
+  std::size_t best = i == 0 ? 1 : 0;
+  for (std::size_t j = 0; j < groups_.size(); ++j)
+    if (row[j] < row[best]) best = j;
+  partner_[i] = static_cast<std::uint32_t>(best);
+}
+
+void Competition::run(std::size_t n_left, std::uint32_t n_leaves, Merges& merges) {
+  while (groups_.size() > n_left) {
+    std::size_t cheapest = 0;
+    for (std::size_t k = 1; k < groups_.size(); ++k)
+      if (cost(k, partner_[k]) < cost(cheapest, partner_[cheapest])) cheapest = k;
+    const std::size_t other = partner_[cheapest], i = std::min(cheapest, other), j = std::max(cheapest, other);
+
+    // Every group owns a slot: the pair uses up the first's and keeps the second's, so no two merges share one.
+    LightGroup joined = join(groups_[i], groups_[j]);
+    merges.parts[groups_[i].slot] = {groups_[i].id, groups_[j].id};
+    joined.id = n_leaves + groups_[i].slot;
+    joined.slot = groups_[j].slot;
+    groups_[i] = joined;
+    join_pair(i, j);
   }
-  parallel_for(subtrees.size(), [&](std::size_t k) { fill_subtree(subtrees[k]); });
-  for (std::size_t k = upper.size(); k-- > 0;) maker.join_children(upper[k]);
+}
+
+/// The last group moves to place j; partners of i and j look for others.
+void Competition::join_pair(std::size_t i, std::size_t j) {
+  const std::size_t last = groups_.size() - 1;
+  groups_[j] = groups_[last];
+  partner_[j] = partner_[last];
+  for (std::size_t k = 0; k < last; ++k) cost(j, k) = cost(k, j) = cost(last, k);
+  cost(j, j) = std::numeric_limits<float>::infinity();
+  groups_.pop_back();
+  partner_.pop_back();
+  if (groups_.size() == 1) return;
+  for (std::size_t k = 0; k < last; ++k)
+    if (k != i) set_cost(i, k);
+  for (std::size_t k = 0; k < last; ++k) {
+    if (k == i || partner_[k] == i || partner_[k] == j)
+      find_partner(k);
+    else if (partner_[k] == last)
+      partner_[k] = static_cast<std::uint32_t>(j);
+  }
 }
 
 }  // namespace

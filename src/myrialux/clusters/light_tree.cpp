@@ -42,24 +42,17 @@ LightTree build_light_tree(const World& world, const VirtualLights& lights, floa
 
   // Places of all nodes follow from the counts: 2 n - 1 for each kind, so subtrees are built independently.
   std::array<std::vector<Point>, kLightKinds> points;
-  std::array<std::uint32_t, kLightKinds> first_node{};
-  std::size_t n_nodes = 0, n_lights = 0;
+  std::array<std::size_t, kLightKinds> n_lights{};
   for (int k = 0; k < kLightKinds; ++k) {
     points[k] = points_of_kind(lights, tree, static_cast<LightKind>(k), params.normal_weight * scene_radius);
-    first_node[k] = static_cast<std::uint32_t>(n_nodes);
-    if (points[k].empty()) continue;
-    const std::size_t n = 2 * points[k].size() - 1;
-    if (static_cast<LightKind>(k) == LightKind::glossy) tree.first_glossy = first_node[k], tree.glossy.resize(n);
-    tree.roots.push_back(first_node[k]);
-    n_nodes += n, n_lights += points[k].size();
+    n_lights[k] = points[k].size();
   }
-  tree.nodes.resize(n_nodes);
-  tree.order.resize(n_lights);
+  const std::array<std::uint32_t, kLightKinds> roots = reserve_nodes(n_lights, tree);
 
   const NodeMaker maker(world, lights, params.key, tree);
   std::uint32_t first = 0;
   for (int k = 0; k < kLightKinds; ++k) {
-    if (!points[k].empty()) build({first_node[k], first_node[k] + 1, first, points[k]}, maker, tree);
+    if (!points[k].empty()) build({roots[k], roots[k] + 1, first, points[k]}, maker, tree);
     first += static_cast<std::uint32_t>(points[k].size());
   }
   return tree;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -53,7 +54,8 @@ class PacketRefinement {
   std::size_t group_ = 0;
   ReceiverCutParams params_;
   LightAtPacket* lights_ = nullptr;
-  std::vector<CutNode> nodes_;
+  std::deque<CutNode> nodes_;  ///< grows without copies; the first n_nodes_ are in use or free
+  std::size_t n_nodes_ = 0;
   std::vector<std::uint32_t> free_;
   std::vector<Waiting> heap_;
   std::vector<std::uint32_t> settled_;  ///< places whose bounds were small enough when looked at
@@ -83,7 +85,8 @@ namespace {
 void PacketRefinement::start(const LightTree& tree, const CutPoints& points, std::size_t group, std::uint32_t rows,
                              const ReceiverCutParams& params, LightAtPacket& lights) {
   tree_ = &tree, points_ = &points, group_ = group, params_ = params, lights_ = &lights;
-  nodes_.clear(), free_.clear(), heap_.clear(), settled_.clear();
+  n_nodes_ = 0;
+  free_.clear(), heap_.clear(), settled_.clear();
   total_ = {}, size_ = {}, growing_ = rows;
   n_bounds_ = n_evaluated_ = 0;
   for (const std::uint32_t root : tree.roots) add_root(root);
@@ -120,9 +123,9 @@ PacketCut PacketRefinement::result() const {
   PacketCut cut;
   cut.size = size_, cut.n_bounds = n_bounds_, cut.n_evaluated = n_evaluated_;
   std::array<std::array<double, 3>, kCutLanes> sums{};
-  for (const CutNode& at : nodes_)
-    for_rows(at.rows, [&](std::size_t k) {
-      for (std::size_t c = 0; c < 3; ++c) sums[k][c] += static_cast<double>(at.light.rgb[c][k]);
+  for (std::size_t n = 0; n < n_nodes_; ++n)
+    for_rows(nodes_[n].rows, [&](std::size_t k) {
+      for (std::size_t c = 0; c < 3; ++c) sums[k][c] += static_cast<double>(nodes_[n].light.rgb[c][k]);
     });
   for (std::size_t k = 0; k < kCutLanes; ++k)
     cut.radiance[k] = {static_cast<float>(sums[k][0]), static_cast<float>(sums[k][1]), static_cast<float>(sums[k][2])};
@@ -177,8 +180,8 @@ void PacketRefinement::split(std::uint32_t place, std::uint32_t rows) {
 
 std::uint32_t PacketRefinement::new_place() {
   if (free_.empty()) {
-    nodes_.emplace_back();
-    return static_cast<std::uint32_t>(nodes_.size() - 1);
+    if (n_nodes_ == nodes_.size()) nodes_.emplace_back();
+    return static_cast<std::uint32_t>(n_nodes_++);
   }
   const std::uint32_t place = free_.back();
   free_.pop_back();

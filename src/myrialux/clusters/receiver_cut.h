@@ -36,6 +36,9 @@ struct PacketCut {
   std::uint32_t n_evaluated = 0;                ///< lights evaluated, likewise
 };
 
+/// Memory of one thread a node of the largest cut: every receiver of a packet may hold nodes of its own.
+inline constexpr std::size_t kPacketCutBytes = 16 * 420;
+
 /// Refines the node with the largest bound first, for every receiver to which its bound is too large. A child that has
 /// its parent's representative inherits the parent's light, shadow included.
 /// Receivers of total 0 are refined down to the leaves or to max_size.

@@ -17,6 +17,23 @@ std::vector<float> light_importance(const World& world, const VirtualLights& lig
   return importance;
 }
 
+std::array<std::uint32_t, kLightKinds> reserve_nodes(const std::array<std::size_t, kLightKinds>& n_lights,
+                                                     LightTree& tree) {
+  std::array<std::uint32_t, kLightKinds> roots{};
+  std::size_t n_nodes = 0, n_all = 0;
+  for (std::size_t k = 0; k < kLightKinds; ++k) {
+    roots[k] = static_cast<std::uint32_t>(n_nodes);
+    if (n_lights[k] == 0) continue;
+    const std::size_t n = 2 * n_lights[k] - 1;
+    if (static_cast<LightKind>(k) == LightKind::glossy) tree.first_glossy = roots[k], tree.glossy.resize(n);
+    tree.roots.push_back(roots[k]);
+    n_nodes += n, n_all += n_lights[k];
+  }
+  tree.nodes.resize(n_nodes);
+  tree.order.resize(n_all);
+  return roots;
+}
+
 void NodeMaker::make_leaf(std::uint32_t index, std::uint32_t light) const {
   LightNode& node = tree_.nodes[index];
   node.kind = lights_.kind[light];

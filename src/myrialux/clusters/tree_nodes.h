@@ -1,6 +1,8 @@
 // The nodes of a light tree, one at a time: leaves from lights, inner nodes from their children. [walter05, 3]
 #pragma once
 
+#include <array>
+
 #include "myrialux/clusters/light_tree.h"
 
 namespace myrialux {
@@ -27,6 +29,11 @@ class NodeMaker {
 
 /// Importance of every light.
 std::vector<float> light_importance(const World& world, const VirtualLights& lights);
+
+/// Makes room for trees of so many lights a kind: sets nodes, glossy, order and roots. Returns where each kind's root
+/// stands; the other 2 n - 2 nodes of the kind follow it.
+std::array<std::uint32_t, kLightKinds> reserve_nodes(const std::array<std::size_t, kLightKinds>& n_lights,
+                                                     LightTree& tree);
 
 /// The normal whose cosine the light's intensity has.
 inline Vec3 cosine_normal(const VirtualLights& lights, std::size_t j) {

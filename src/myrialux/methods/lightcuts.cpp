@@ -13,20 +13,24 @@
 namespace myrialux {
 namespace {
 
+/// One block in this many is timed: clocks around every packet of rays would cost a twentieth of it.
+constexpr std::size_t kTimedStride = 16;
+
 /// Counters of one block of receivers.
 struct BlockReport {
   std::uint64_t rays = 0, sizes = 0;
-  double trace_s = 0, shade_s = 0, all_s = 0;  ///< CPU seconds
+  double trace_s = 0, shade_s = 0, all_s = 0;  ///< of timed blocks
 };
 
 /// 64 receivers laid out for the kernels; lights are evaluated at 16 of them at a time.
 class Block final : public LightAtPacket {
  public:
-  Block(const FrameView& frame, std::span<const ReceiverId> rows, float clamp_distance);
+  Block(const FrameView& frame, std::span<const ReceiverId> rows, float clamp_distance, bool timed);
   /// Chooses the 16 receivers that evaluate() is about.
   void select(std::size_t packet) { first_ = packet * kPacketRows; }
   void evaluate(LightId light, std::uint32_t rows, PacketLight& arriving) override;
-  std::uint64_t rays() const { return rays_; }
+  /// Rays so far; seconds of tracing and shading if timed.
+  const BlockReport& report() const { return report_; }
 
  private:
   /// Unoccluded; @param rows bits of the block
@@ -35,8 +39,10 @@ class Block final : public LightAtPacket {
 
   const FrameView& frame_;
   float clamp_distance_;
+  bool timed_;
+  Stopwatch watch_;
   std::size_t first_ = 0;
-  std::uint64_t rays_ = 0;
+  BlockReport report_;
   GatheredRows rows_;
   CoatTables tables_;
   GatheredColumns column_;
@@ -45,8 +51,9 @@ class Block final : public LightAtPacket {
 };
 
 LightTree build_tree(const FrameView& frame, const MethodParams& params);
-void cut_block(const FrameView& frame, const MethodParams& params, const LightTree& tree,
-               std::span<const ReceiverId> rows, MethodResult& result, BlockReport& report);
+void cut_block(const FrameView& frame, const MethodParams& params, const LightTree& tree, std::size_t first_row,
+               std::span<const ReceiverId> rows, bool timed, MethodResult& result, BlockReport& report);
+void add_to_stats(std::span<const BlockReport> reports, std::size_t n_receivers, double wall_s, RenderStats& stats);
 
 }  // namespace
 
@@ -62,22 +69,18 @@ MethodResult render_lightcuts(const FrameView& frame, const MethodParams& params
   const std::size_t n = frame.receivers.size(), n_blocks = (n + kBlockRows - 1) / kBlockRows;
   MethodResult result;
   result.radiance.resize(n);
+  result.slice.resize(n);
   result.cut_size.resize(n);
+  result.visibility_fraction.assign(n, 1);
   std::vector<BlockReport> reports(n_blocks);
   progress.stage("receivers", n, "receivers");
   parallel_for(n_blocks, [&](std::size_t b) {
     const std::size_t first = b * kBlockRows, count = std::min(kBlockRows, n - first);
-    cut_block(frame, params, tree, std::span(slices.order).subspan(first, count), result, reports[b]);
+    cut_block(frame, params, tree, first, std::span(slices.order).subspan(first, count), b % kTimedStride == 0, result,
+              reports[b]);
     progress.advance(count);
   });
-
-  BlockReport sum;
-  for (const BlockReport& r : reports) sum.rays += r.rays, sum.sizes += r.sizes;
-  stats.time_s["visibility"] += wall.lap();
-  stats.visibility.entries += sum.rays;
-  stats.visibility.traced += sum.rays;
-  stats.rays.shadow += sum.rays;
-  if (n > 0) stats.clusters_mean += static_cast<double>(sum.sizes) / static_cast<double>(n);
+  add_to_stats(reports, n, wall.lap(), stats);
   return result;
 }
 
@@ -89,37 +92,59 @@ LightTree build_tree(const FrameView& frame, const MethodParams& params) {
   return build_agglomerative_tree(frame.world, frame.lights, frame.scene_radius, {.key = params.tree.key});
 }
 
-void cut_block(const FrameView& frame, const MethodParams& params, const LightTree& tree,
-               std::span<const ReceiverId> rows, MethodResult& result, BlockReport& report) {
+void cut_block(const FrameView& frame, const MethodParams& params, const LightTree& tree, std::size_t first_row,
+               std::span<const ReceiverId> rows, bool timed, MethodResult& result, BlockReport& report) {
+  Stopwatch wall;
   const float clamp = params.cut.clamp_distance;
   const CutPoints points = make_cut_points(frame.world, frame.receivers, rows, clamp);
   const ReceiverCutParams cut_params{params.lightcuts.error, params.cut.n_clusters};
-  Block block(frame, rows, clamp);
+  Block block(frame, rows, clamp, timed);
+  std::uint64_t sizes = 0;
   for (std::size_t g = 0; g < points.groups.size(); ++g) {
     block.select(g);
     const std::size_t first = g * kCutLanes, count = std::min(kCutLanes, rows.size() - first);
     const std::size_t step = params.lightcuts.together ? count : 1;
     for (std::size_t k = 0; k < count; k += step) {
-      const std::uint32_t lanes = ((1u << step) - 1) << k;
-      const PacketCut cut = cut_packet(tree, points, g, lanes, cut_params, block);
+      const PacketCut cut = cut_packet(tree, points, g, ((1u << step) - 1) << k, cut_params, block);
       for (std::size_t lane = k; lane < k + step; ++lane) {
         const std::size_t i = index(rows[first + lane]);
         result.radiance[i] = cut.radiance[lane];
+        result.slice[i] = static_cast<std::uint32_t>(first_row / kCutLanes + g);
         result.cut_size[i] = static_cast<float>(cut.size[lane]);
-        report.sizes += cut.size[lane];
+        sizes += cut.size[lane];
       }
     }
   }
-  report.rays = block.rays();
+  report = block.report();
+  report.sizes = sizes;
+  if (timed) report.all_s = wall.elapsed();
 }
 
-Block::Block(const FrameView& frame, std::span<const ReceiverId> rows, float clamp_distance)
-    : frame_(frame), clamp_distance_(clamp_distance) {
+/// The loop's time is split as the timed blocks' is.
+void add_to_stats(std::span<const BlockReport> reports, std::size_t n_receivers, double wall_s, RenderStats& stats) {
+  BlockReport sum;
+  for (const BlockReport& r : reports) {
+    sum.rays += r.rays, sum.sizes += r.sizes;
+    sum.trace_s += r.trace_s, sum.shade_s += r.shade_s, sum.all_s += r.all_s;
+  }
+  const double scale = sum.all_s > 0 ? wall_s / sum.all_s : 0;
+  stats.time_s["cluster"] += scale * (sum.all_s - sum.trace_s - sum.shade_s);
+  stats.time_s["visibility"] += scale * sum.trace_s;
+  stats.time_s["shade"] += scale * sum.shade_s;
+  stats.visibility.entries += sum.rays;
+  stats.visibility.traced += sum.rays;
+  stats.rays.shadow += sum.rays;
+  if (n_receivers > 0) stats.clusters_mean += static_cast<double>(sum.sizes) / static_cast<double>(n_receivers);
+}
+
+Block::Block(const FrameView& frame, std::span<const ReceiverId> rows, float clamp_distance, bool timed)
+    : frame_(frame), clamp_distance_(clamp_distance), timed_(timed) {
   gather_rows(frame.world, frame.receivers, rows, tables_, rows_);
   for (std::size_t k = 0; k < rows.size(); ++k) offset_[k] = frame.receivers.offset[index(rows[k])];
 }
 
 void Block::evaluate(LightId light, std::uint32_t rows, PacketLight& arriving) {
+  if (timed_) watch_.lap();
   shade(light, std::uint64_t{rows} << first_);
   std::uint32_t lit = 0;
   for (std::size_t k = 0; k < kPacketRows; ++k) {
@@ -134,12 +159,14 @@ void Block::evaluate(LightId light, std::uint32_t rows, PacketLight& arriving) {
     if (sum > 0) lit |= 1u << k;
   }
   lit &= rows;
+  if (timed_) report_.shade_s += watch_.lap();
   if (lit == 0) return;
-  rays_ += static_cast<std::uint64_t>(std::popcount(lit));
+  report_.rays += static_cast<std::uint64_t>(std::popcount(lit));
   const std::uint32_t blocked = occluded(light, lit);
   for (std::size_t k = 0; k < kPacketRows; ++k)
     if (blocked >> k & 1)
       for (auto& channel : arriving.rgb) channel[k] = 0;
+  if (timed_) report_.trace_s += watch_.lap();
 }
 
 void Block::shade(LightId light, std::uint64_t rows) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "myrialux/base/error.h"
+#include "myrialux/clusters/receiver_cut.h"
 #include "myrialux/film/film.h"
 #include "myrialux/methods/slice_driver.h"
 #include "myrialux/pipeline/frame_state.h"
@@ -39,6 +40,7 @@ Bytes bits_bytes(const FrameExtent& f) { return n_columns(f) * ((Bytes(f.slice_r
 /// One slice in flight. Bits: active, required, visible, and at most the same again, known and visible, in the basis of
 /// completion, which grows by doubling. A column besides: the cut's heap, columns, shadow and shading lights and lobes.
 Bytes slice_bytes(const FrameExtent& f) {
+  if (f.has_packets) return n_columns(f) * kPacketCutBytes;
   constexpr Bytes kRow = 200, kColumn = 500, kMatrices = 7, kTable = 256;
   const Bytes glossy = std::min<Bytes>(n_columns(f), f.n_glossy);
   return kRow * f.slice_rows + n_columns(f) * kColumn + kMatrices * bits_bytes(f) + glossy * kTable;
@@ -65,7 +67,7 @@ Parts largest(std::initializer_list<Parts> stages) {
 Parts pass_parts(const FrameExtent& f) {
   constexpr Bytes kGlossy = sizeof(VirtualLights::Glossy);
   constexpr Bytes kLight = 3 * sizeof(Vec3) + sizeof(float) + sizeof(Rgb) + sizeof(std::uint32_t) + 2;
-  constexpr Bytes kTreeLight = 2 * sizeof(LightNode) + sizeof(LightId) + sizeof(float), kTreePoint = 32;
+  constexpr Bytes kTreeLight = 2 * sizeof(LightNode) + sizeof(LightId) + sizeof(float), kTreePoint = 40;
   constexpr Bytes kSlicePoint = 28, kOrder = sizeof(ReceiverId);
   const Bytes samples = n_samples(f), lights = f.n_lights * kLight + f.n_glossy * kGlossy;
   const Bytes tree = f.n_lights * kTreeLight + f.n_glossy * 2 * sizeof(GlossyNode);

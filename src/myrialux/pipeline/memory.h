@@ -10,6 +10,7 @@ namespace myrialux {
 struct FrameExtent {
   bool has_lights = true, has_slices = true;  ///< brute-force has no slices, path neither
   bool has_pilot = false;                     ///< some slices' bits are kept (SliceMethod::guard)
+  bool has_packets = false;                   ///< a cut a receiver in place of one a slice (lightcuts)
   int width = 0, height = 0, spp = 1, passes = 1;
   std::uint64_t n_lights = 0, n_glossy = 0;  ///< virtual lights of a pass, and how many of them are glossy
   std::uint64_t lights_file_bytes = 0;       ///< 0: they are traced

@@ -150,6 +150,7 @@ MemoryGuard::MemoryGuard(const World& world, const Settings& settings) : limit_(
   const RenderParams& p = settings.render;
   FrameExtent& e = extent_;
   e.has_lights = p.method != "path", e.has_slices = e.has_lights && p.method != "brute-force";
+  e.has_packets = p.method == "lightcuts";
   e.has_pilot = p.method == "bamc" && settings.tuned.method.bamc_guard > 0;
   e.width = p.width, e.height = p.height, e.passes = p.passes, e.n_threads = allowed_threads();
   e.spp = e.has_lights ? p.spp : std::min(p.spp * p.passes, kPathSamplesAtOnce);
