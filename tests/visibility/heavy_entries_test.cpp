@@ -86,7 +86,8 @@ TEST_P(HeavyEntries, NoneAboveTheLimitIsMissed) {
 INSTANTIATE_TEST_SUITE_P(
     Rooms, HeavyEntries,
     ::testing::Values(
-        HeavyCase{"diffuse", {.n_lights = 3000}, 1.55}, HeavyCase{"tilted", {.n_lights = 3000, .shading_tilt = 0.3f}, 1.56},
+        HeavyCase{"diffuse", {.n_lights = 3000}, 1.55},
+        HeavyCase{"tilted", {.n_lights = 3000, .shading_tilt = 0.3f}, 1.56},
         HeavyCase{"points", {.n_lights = 3000, .kinds = {LightKind::point}}, 1.7},
         HeavyCase{"directional", {.n_lights = 3000, .kinds = {LightKind::directional}, .glossy = true}, 1.9},
         HeavyCase{"glossy_receivers", {.n_lights = 3000, .glossy = true, .shading_tilt = 0.1f}, 1.43},
