@@ -121,7 +121,8 @@ const std::vector<Key>& keys() {
           "mdlc.error", 0, 1, "largest error bound of a pair of clusters, as a share of the pixel's estimate",
           [](P & p) -> auto& { return p.method.mdlc_error; }),
       count_key(
-          "lightslice.slices", 1, 1000000, "slices, and rows of the reduced matrix, at most (64 receivers each at least)",
+          "lightslice.slices", 1, 1000000,
+          "slices, and rows of the reduced matrix, at most (64 receivers each at least)",
           [](P & p) -> auto& { return p.method.lightslice.n_slices; }),
       count_key(
           "lightslice.neighbours", 1, 8, "nearest slices, itself included, whose rows refine a slice's clusters",
@@ -133,7 +134,8 @@ const std::vector<Key>& keys() {
           "lightslice.dimensions", 1, 65536, "dimensions that columns are projected to for the global clusters",
           [](P & p) -> auto& { return p.method.lightslice.n_dimensions; }),
       number_key(
-          "lightslice.local", 0, 1, "share of representatives drawn by norms in the neighbourhood, else over all slices",
+          "lightslice.local", 0, 1,
+          "share of representatives drawn by norms in the neighbourhood, else over all slices",
           [](P & p) -> auto& { return p.method.lightslice.local_share; }),
       number_key(
           "lightslice.power", 0, 1, "share of representatives drawn by power, whoever sees them; 0: as published",
