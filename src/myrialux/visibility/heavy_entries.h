@@ -10,7 +10,7 @@ namespace myrialux {
 /// Active entries whose weight W T beta (luminance, no occlusion) may exceed `limit`, in whole packets: where one row
 /// of 16 adjacent ones may, all active rows of the packet are marked, since they are traced at the price of one. By
 /// upper bounds of T [walter05, 4.1], so that no entry above the limit is missed; rough lobes are bounded by their
-/// shape about the mirror direction. Cost: 0.1 to 0.3 ms a slice of 1024 x 1000, as few columns come near the limit.
+/// shape about the mirror direction. Few columns come near the limit, the others cost a distance each.
 /// @param active [rows x columns]
 /// @param clamp_distance as CutParams
 /// @param limit radiance, > 0
