@@ -302,6 +302,7 @@ void write_results(const BenchOptions& o, const BenchFolder& folder, Reporter& r
     written.push_back(absolute_path(folder.file("index.html")));
   }
   std::vector<std::string> lines;
+  lines.reserve(results.size());
   for (const BenchResult& r : results)
     lines.push_back(fmt::format("{:<16} {:<32} {:>9} {:>10} rays{}", r.first.scene,
                                 r.first.method + (r.first.knob.empty() ? "" : " " + r.first.knob),

@@ -96,6 +96,7 @@ std::vector<Column> slice_columns(const SliceFrame& slices, const LightSlices& a
   };
   std::sort(drawn.begin(), drawn.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
   std::vector<Column> columns;
+  columns.reserve(drawn.size());
   for (const auto& d : drawn) columns.push_back(d.second);
   return columns;
 }
