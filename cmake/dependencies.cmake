@@ -22,6 +22,7 @@ find_package(OpenEXR REQUIRED)  # for its threads alone; pictures are written by
 find_package(ZLIB REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
+find_package(Eigen3 3.4 REQUIRED)
 
 add_library(myrialux_flags INTERFACE)
 target_include_directories(myrialux_flags INTERFACE ${PROJECT_SOURCE_DIR}/src)
@@ -43,6 +44,7 @@ endif()
 
 set(myrialux_libs_base TBB::tbb fmt::fmt)
 set(myrialux_libs_kernels hwy::hwy)
+set(myrialux_libs_completion Eigen3::Eigen)
 set(myrialux_libs_scene pugixml::pugixml OpenImageIO::OpenImageIO ZLIB::ZLIB)
 set(myrialux_libs_trace embree)
 set(myrialux_libs_film OpenImageIO::OpenImageIO OpenEXR::OpenEXR)

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Measures the methods against each other on scenes; prints Markdown tables (docs/measurements.md holds a run's figures).
 
-    measure_methods.py PROGRAM completion SCENE.xml... [--seed N] [-- -D bamc.alpha=0.05 ...]
-                                                         bamc (with these options) against slice-lightcuts, same cuts
+    measure_methods.py PROGRAM completion SCENE.xml... [--method NAME] [--seed N] [-- -D bamc.alpha=0.05 ...]
+                                                         a completion (bamc unless named; with these options) against
+                                                         slice-lightcuts, same cuts
     measure_methods.py PROGRAM clusters SCENE.xml...     both against brute-force on the same lights, by --clusters
 
 Only light from virtual lights counts (--direct vpl --residual off), so that a difference is the method's alone.
@@ -10,6 +11,7 @@ Only light from virtual lights counts (--direct vpl --residual off), so that a d
 import argparse
 import json
 import pathlib
+import resource
 import subprocess
 import sys
 import tempfile
@@ -40,19 +42,29 @@ def relative_rmse(reference, picture, n_left_out=0):
     return float(np.sqrt(squares[:squares.size - n_left_out].mean()) / reference.mean())
 
 
+def cpu_seconds():
+    """Of all programs run so far; other programs on the machine disturb it less than they do the wall clock."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 def completion(args, folder):
     print("| scene | traced % of active | relative RMSE % | without 10 worst pixels | without 0.1 % | "
-          "shadow rays/s, full (M) | visibility + complete s, full | bamc |")
-    print("|---|---|---|---|---|---|---|---|")
+          f"shadow rays/s, full (M) | visibility + complete s, full | {args.method} | CPU s in all, full | {args.method} |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
     for scene in args.scenes:
-        common = ["--size", args.size, "--spp", 4, "--vpls", args.vpls, "--clusters", args.clusters, "--seed", args.seed]
+        common = ["--size", args.size, "--spp", args.spp, "--vpls", args.vpls, "--clusters", args.clusters,
+                  "--seed", args.seed]
+        cpu = [cpu_seconds()]
         full, full_stats = render(args.program, scene, "slice-lightcuts", folder, *common)
-        bamc, stats = render(args.program, scene, "bamc", folder, *common, *args.extra)
-        errors = [relative_rmse(full, bamc, n) for n in (0, 10, luminance(full).size // 1000)]
+        cpu.append(cpu_seconds())
+        completed, stats = render(args.program, scene, args.method, folder, *common, *args.extra)
+        cpu.append(cpu_seconds())
+        errors = [relative_rmse(full, completed, n) for n in (0, 10, luminance(full).size // 1000)]
         v, t, tf = stats["visibility"], stats["time_s"], full_stats["time_s"]
         print(f"| {scene.parent.name} | {100 * v['fraction']:.1f} | {' | '.join(f'{100 * e:.2f}' for e in errors)} | "
               f"{full_stats['rays']['shadow'] / tf['visibility'] / 1e6:.1f} | {tf['visibility'] + tf['complete']:.2f} | "
-              f"{t['visibility'] + t['complete']:.2f} |", flush=True)
+              f"{t['visibility'] + t['complete']:.2f} | {cpu[1] - cpu[0]:.0f} | {cpu[2] - cpu[1]:.0f} |", flush=True)
 
 
 def clusters(args, folder):
@@ -83,6 +95,8 @@ def main():
     parser.add_argument("--vpls", type=int, default=100000)
     parser.add_argument("--clusters", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--spp", type=int, default=4, help="of completion")
+    parser.add_argument("--method", default="bamc", help="of completion: any method of slices")
     own, extra = split_at_dashes(sys.argv[1:])
     args = parser.parse_args(own)
     args.extra = extra

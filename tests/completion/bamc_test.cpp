@@ -8,49 +8,31 @@
 #include <utility>
 
 #include "myrialux/base/error.h"
-#include "support/logging_entries.h"
-#include "support/shadow_matrices.h"
+#include "support/completion_checks.h"
 
 namespace myrialux {
 namespace {
 
+using test::all_active;
 using test::all_ones;
 using test::bumpy;
+using test::Completed;
+using test::DemandingEntries;
+using test::expect_sound;
 using test::half_plane;
 using test::LoggingEntries;
 using test::planted;
 using test::random_bits;
 using test::two_discs;
 
-struct Completed {
-  BitMatrix visible;
-  CompletionStats stats;
-};
 Completed complete(EntrySource& source, const BamcParams& params = {}, std::uint64_t seed = 1) {
   Completed c{BitMatrix(source.n_rows(), source.n_columns()), {}};
   Rng rng({seed}, Stage::visibility, 0);
   c.stats = complete_bamc(source, params, rng, c.visible);
   return c;
 }
-LoggingEntries all_active(const BitMatrix& truth, std::vector<std::size_t> groups = {}) {
-  return LoggingEntries(truth, all_ones(truth.n_rows(), truth.n_columns()), std::move(groups));
-}
 std::size_t share_of(double share, std::size_t n) {
   return static_cast<std::size_t>(std::ceil(share * double(n) - 1e-6));
-}
-
-/// What must hold whatever the matrix.
-void expect_sound(const LoggingEntries& source, const Completed& c) {
-  EXPECT_EQ(source.n_asked_twice, 0u);
-  EXPECT_EQ(source.n_asked_inactive, 0u);
-  EXPECT_EQ(c.stats.entries, source.active_matrix().count());
-  EXPECT_EQ(c.stats.traced, source.asked().count());
-  for (std::size_t j = 0; j < source.n_columns(); ++j)
-    for (std::size_t w = 0; w < c.visible.words_per_column(); ++w) {
-      const std::uint64_t got = c.visible.column(j)[w], asked = source.asked().column(j)[w];
-      ASSERT_EQ((got ^ source.truth().column(j)[w]) & asked, 0u) << "a traced bit changed, column " << j;
-      ASSERT_EQ(got & ~source.active(j)[w], 0u) << "a don't-care bit is set, column " << j;
-    }
 }
 
 TEST(Bamc, PlantedLowRankMatricesComeBack) {
@@ -249,21 +231,6 @@ TEST(Bamc, GroupsShareNoColumns) {
   EXPECT_EQ(complete(one).stats.full_columns, 3u);
   EXPECT_EQ(complete(two).stats.full_columns, 6u) << "columns of the first group are not matched in the second";
 }
-
-/// Every seventh active entry must be traced, and all of the first 40 rows of column 3.
-class DemandingEntries : public LoggingEntries {
- public:
-  explicit DemandingEntries(const KnownEntries& known) : LoggingEntries(known), required_(n_rows(), n_columns()) {
-    for (std::size_t j = 0; j < n_columns(); ++j)
-      for (std::size_t i = 0; i < n_rows(); ++i)
-        if (test_bit(active(j), i) && ((i + 3 * j) % 7 == 0 || (j == 3 && i < 40))) required_.set(i, j);
-  }
-  Words required(std::size_t j) const override { return std::as_const(required_).column(j); }
-  const BitMatrix& required_matrix() const { return required_; }
-
- private:
-  BitMatrix required_;
-};
 
 TEST(Bamc, RequiredEntriesAreTracedFirstAndOnce) {
   Rng rng({12}, Stage::test, 0);

@@ -20,7 +20,6 @@ class LoggingEntries : public KnownEntries {
   std::size_t n_asked_twice = 0, n_asked_inactive = 0;
 
   void trace(std::size_t j, Words wanted, MutableWords visible) override {
-    if (asked_.n_columns() == 0) asked_ = BitMatrix(n_rows(), n_columns());
     const MutableWords asked = asked_.column(j);
     for (std::size_t w = 0; w < wanted.size(); ++w) {
       n_asked_twice += static_cast<std::size_t>(std::popcount(wanted[w] & asked[w]));
@@ -39,7 +38,7 @@ class LoggingEntries : public KnownEntries {
   }
 
  private:
-  BitMatrix asked_;
+  BitMatrix asked_{n_rows(), n_columns()};
 };
 
 }  // namespace myrialux::test

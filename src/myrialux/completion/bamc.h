@@ -1,34 +1,14 @@
 // Boolean adaptive matrix completion. [wang20, 4.5, algorithms 2 to 4]
 #pragma once
 
-#include <cstdint>
-
-#include "myrialux/base/rng.h"
-#include "myrialux/matrix/entry_source.h"
+#include "myrialux/completion/adaptive_columns.h"
 
 namespace myrialux {
 
-struct BamcParams {
-  float alpha = 0.025f;    ///< share of the rows sampled in each column at first
-  float beta = 0.025f;     ///< share of the rows verified in a matched column; added to alpha when one fails
-  float omega = 0.40f;     ///< largest alpha
-  bool importance = true;  ///< sample rows where earlier columns changed (algorithm 3); false: uniformly
-  bool adaptive = true;    ///< raise alpha after a failed verification; false: keep it
-};
+using BamcParams = RowRates;
 
-struct CompletionStats {
-  std::uint64_t entries = 0;           ///< active entries
-  std::uint64_t traced = 0;            ///< entries asked of the source
-  std::uint64_t full_columns = 0;      ///< columns traced whole
-  std::uint64_t verified_columns = 0;  ///< columns copied and found right by verification
-  CompletionStats& operator+=(const CompletionStats& o) {
-    entries += o.entries, traced += o.traced, full_columns += o.full_columns, verified_columns += o.verified_columns;
-    return *this;
-  }
-};
-
-/// Fills `visible` (n_rows x n_columns, all 0 at entry): traced bits as traced, others completed; inactive bits are 0.
-/// No entry is asked for twice. Deviations from the print:
+/// complete_columns() with boolean matching: a column is predicted to be a traced one that agrees with its samples, or
+/// the complement of one. Deviations from the print:
 ///  - alpha counts rows, not columns; alpha = Min(alpha + beta, omega), printed as Max; alpha starts at most at omega.
 ///  - Matches are columns of Q that agree with the samples or whose complement does. The print's union reads so.
 ///  - Omega's indices are distinct: drawn one after the other from d without replacement.

@@ -1,11 +1,16 @@
 // Where a completion gets true bits from: traced rays in a render, a known matrix in a test.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 
 #include "myrialux/matrix/bit_matrix.h"
 
 namespace myrialux {
+
+/// Numbers by which rows can be told near or far: their coordinates.
+using RowPoint = std::array<float, 3>;
 
 class EntrySource {
  public:
@@ -20,6 +25,13 @@ class EntrySource {
     (void)j;
     return {};
   }
+  /// What column j may bring at most, in any unit: the mean of its entries' weights, all visible. 1: nothing is known.
+  virtual float energy(std::size_t j) const {
+    (void)j;
+    return 1;
+  }
+  /// [n_rows], or empty: nothing is known but the order of the rows, in which neighbours are near.
+  virtual std::span<const RowPoint> row_points() const { return {}; }
   /// Columns of one group are alike (same octant) and completed together: groups are [begin, end) runs of columns.
   virtual std::size_t n_groups() const { return 1; }
   virtual std::size_t group_end(std::size_t g) const {

@@ -8,6 +8,13 @@ const std::vector<MethodInfo>& all_methods() {
   static const std::vector<MethodInfo> methods = {
       {"bamc", "slices, slice lightcut, boolean adaptive matrix completion", "Wang and Holzschuch 2020, section 4",
        render_bamc},
+      {"amc", "the same slices and cuts, adaptive matrix completion by pseudo-inverse",
+       "Krishnamurthy and Singh 2014; Wang and Holzschuch 2020, section 3.2", render_amc},
+      {"gauss-jordan", "the same slices and cuts, adaptive matrix completion by elimination over GF(2)",
+       "Wang and Holzschuch 2020, section 5.6", render_gauss_jordan},
+      {"matrix-separation",
+       "the same slices and cuts, visibility guessed, validated and split into low rank and sparse", "Huo et al. 2015",
+       render_matrix_separation},
       {"slice-lightcuts", "the same slices and cuts, every shadow ray traced",
        "Wang and Holzschuch 2020, section 5.3.4", render_slice_lightcuts},
       {"lightcuts", "a cut of the light tree for every receiver, refined to a share of its total", "Walter et al. 2005",

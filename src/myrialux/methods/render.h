@@ -8,7 +8,9 @@
 
 #include "myrialux/clusters/agglomerative_tree.h"
 #include "myrialux/clusters/cut.h"
+#include "myrialux/completion/amc.h"
 #include "myrialux/completion/bamc.h"
+#include "myrialux/completion/matrix_separation.h"
 #include "myrialux/report/stats.h"
 
 namespace myrialux {
@@ -44,6 +46,12 @@ struct MethodParams {
   float bamc_guard = 1;   ///< entries that may weigh more than this many times the mean are traced; 0: none (published)
   float mdlc_error = 0.02f;  ///< largest bound of a pair that is left, over the pixel's estimate
   LightcutsParams lightcuts;
+  AmcParams amc;
+  RowRates gauss_jordan;
+  SeparationParams separation;
+  /// As bamc_cull and bamc_guard, but without guard unless asked for: these methods are compared as published.
+  bool amc_cull = true, gauss_jordan_cull = true, separation_cull = true;
+  float amc_guard = 0, gauss_jordan_guard = 0, separation_guard = 0;
   RandomKey key;
 };
 
@@ -78,6 +86,9 @@ const std::vector<MethodInfo>& all_methods();
 const MethodInfo& find_method(const std::string& name);
 
 MethodResult render_bamc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
+MethodResult render_amc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
+MethodResult render_gauss_jordan(const FrameView&, const MethodParams&, Progress&, RenderStats&);
+MethodResult render_matrix_separation(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_slice_lightcuts(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_lightcuts(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_mdlc(const FrameView&, const MethodParams&, Progress&, RenderStats&);

@@ -8,6 +8,7 @@
 #include "myrialux/base/parallel.h"
 #include "myrialux/matrix/bit_ops.h"
 #include "myrialux/shading/shade.h"
+#include "myrialux/visibility/column_energies.h"
 #include "myrialux/visibility/heavy_entries.h"
 
 namespace myrialux {
@@ -41,7 +42,7 @@ class SliceLoop {
  private:
   void render(std::size_t s, const CompleteSlice& complete, BitMatrix& visible);
   void check_completion(std::size_t s, const BitMatrix& truth);
-  void require_heavy(std::size_t s, std::span<const Column> columns, SliceVisibility& source);
+  void prepare(std::size_t s, std::span<const Column> columns, SliceVisibility& source);
   void shade(std::size_t s, std::span<const Column> columns, const BitMatrix& visible);
   bool in_pilot(std::size_t s) const { return !pilot_.empty() && s % kPilotStride == first_pilot_; }
   Rng completion_rng(std::size_t s) const { return Rng(params_.key, Stage::visibility, s); }
@@ -145,7 +146,7 @@ void SliceLoop::render(std::size_t s, const CompleteSlice& complete, BitMatrix& 
   SliceVisibility source(frame_.world, frame_.receivers, rows, frame_.lights, columns, method_.cull);
   visible = BitMatrix(rows.size(), columns.size());
   report.visibility_s = cpu.lap();
-  require_heavy(s, columns, source);
+  prepare(s, columns, source);
   Rng rng = completion_rng(s);
   report.completion = complete(source, rng, visible);
   const double completion_s = cpu.lap();
@@ -176,7 +177,11 @@ void SliceLoop::shade(std::size_t s, std::span<const Column> columns, const BitM
   }
 }
 
-void SliceLoop::require_heavy(std::size_t s, std::span<const Column> columns, SliceVisibility& source) {
+/// Tells the source what the method wants to know of columns and entries.
+void SliceLoop::prepare(std::size_t s, std::span<const Column> columns, SliceVisibility& source) {
+  if (method_.energies)
+    source.set_energies(column_energies(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, columns,
+                                        params_.cut.clamp_distance));
   if (guess_limit_ <= 0) return;
   source.require(heavy_entries(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, tree_, columns,
                                source.active_matrix(), params_.cut.clamp_distance, guess_limit_));
@@ -190,6 +195,8 @@ class TracedEntries final : public EntrySource {
   std::size_t n_columns() const override { return slice_.n_columns(); }
   Words active(std::size_t j) const override { return slice_.active(j); }
   Words required(std::size_t j) const override { return slice_.required(j); }
+  float energy(std::size_t j) const override { return slice_.energy(j); }
+  std::span<const RowPoint> row_points() const override { return slice_.row_points(); }
   std::size_t n_groups() const override { return slice_.n_groups(); }
   std::size_t group_end(std::size_t g) const override { return slice_.group_end(g); }
   void trace(std::size_t j, Words wanted, MutableWords visible) override {
@@ -207,7 +214,7 @@ void SliceLoop::check_completion(std::size_t s, const BitMatrix& truth) {
   ThreadStopwatch cpu;
   const std::vector<Column> columns = choose_columns_(s);
   SliceVisibility slice(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, columns, method_.cull);
-  require_heavy(s, columns, slice);
+  prepare(s, columns, slice);
   TracedEntries source(slice, truth);
   BitMatrix completed(truth.n_rows(), truth.n_columns());
   Rng rng = completion_rng(s);

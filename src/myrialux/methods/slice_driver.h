@@ -32,6 +32,7 @@ struct SliceMethod {
   float guard = 0;
   /// Prepares the choice of columns, once a frame. Empty: light_cut().
   std::function<ChooseColumns(const SliceFrame&)> columns = {};
+  bool energies = false;  ///< the source tells what columns may bring
 };
 
 /// Streams the slices: each is cut, traced, completed, shaded and forgotten, so memory does not grow with the frame

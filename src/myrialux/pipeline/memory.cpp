@@ -43,7 +43,8 @@ Bytes slice_bytes(const FrameExtent& f) {
   if (f.has_packets) return n_columns(f) * kPacketCutBytes;
   constexpr Bytes kRow = 200, kColumn = 500, kMatrices = 7, kTable = 256;
   const Bytes glossy = std::min<Bytes>(n_columns(f), f.n_glossy);
-  return kRow * f.slice_rows + n_columns(f) * kColumn + kMatrices * bits_bytes(f) + glossy * kTable;
+  return kRow * f.slice_rows + n_columns(f) * kColumn + kMatrices * bits_bytes(f) + glossy * kTable +
+         n_columns(f) * f.slice_rows * f.completion_bytes;
 }
 
 Bytes pilot_bytes(const FrameExtent& f) {

@@ -76,9 +76,98 @@ Key choice_key(const std::string& name, const std::vector<std::string>& names, s
   return {name, std::move(meaning), get, set};
 }
 
-const std::vector<Key>& keys() {
+/// What the completions by columns share: [wang20, 4.5].
+void add_rate_keys(std::vector<Key>& table, const std::string& method, RowRates& (*rates)(TunedParams&)) {
   using P = TunedParams;
-  static const std::vector<Key> table = {
+  table.push_back(number_key(
+      method + ".alpha", 0, 1,
+      "share of a column's rows sampled at first", [=](P & p) -> auto& { return rates(p).alpha; }));
+  table.push_back(number_key(
+      method + ".beta", 0, 1,
+      "share verified; added to alpha when a column fails", [=](P & p) -> auto& { return rates(p).beta; }));
+  table.push_back(number_key(
+      method + ".omega", 0, 1, "largest alpha", [=](P & p) -> auto& { return rates(p).omega; }));
+  table.push_back(switch_key(
+      method + ".importance", "sample rows where earlier columns changed; false: uniformly", [=](P & p) -> auto& {
+        return rates(p).importance;
+      }));
+  table.push_back(switch_key(
+      method + ".adaptive",
+      "raise alpha after a failed verification; false: keep it", [=](P & p) -> auto& { return rates(p).adaptive; }));
+  table.push_back(switch_key(
+      method + ".resample", "draw rows for each column; false: after a column traced whole", [=](P & p) -> auto& {
+        return rates(p).resample;
+      }));
+}
+
+/// What all completions share.
+void add_entry_keys(std::vector<Key>& table, const std::string& method, bool& (*cull)(MethodParams&),
+                    float& (*guard)(MethodParams&)) {
+  using P = TunedParams;
+  table.push_back(switch_key(
+      method + ".cull",
+      "leave out entries whose transfer is zero; false: trace them too, as published", [=](P & p) -> auto& {
+        return cull(p.method);
+      }));
+  table.push_back(number_key(
+      method + ".guard", 0, 1e30f,
+      "entries above this many times the picture's mean are always traced; 0: as published", [=](P & p) -> auto& {
+        return guard(p.method);
+      }));
+}
+
+void add_separation_keys(std::vector<Key>& table) {
+  using P = TunedParams;
+  table.push_back(number_key(
+      "separation.samples", 0, 1, "share of a column's rows traced at first and in each round",
+      [](P & p) -> auto& { return p.method.separation.samples; }));
+  table.push_back(number_key(
+      "separation.error", 0, 1, "share of a round's samples that the best guess may miss",
+      [](P & p) -> auto& { return p.method.separation.error; }));
+  table.push_back(count_key(
+      "separation.rounds", 0, 1000, "rounds of prediction and validation at most",
+      [](P & p) -> auto& { return p.method.separation.rounds; }));
+  table.push_back(number_key(
+      "separation.energy", 0, 1e30f, "columns below this many times the mean column's energy are not validated",
+      [](P & p) -> auto& { return p.method.separation.energy; }));
+  table.push_back(switch_key(
+      "separation.separate", "split guesses into low rank and errors; false: take them as they are",
+      [](P & p) -> auto& { return p.method.separation.separate; }));
+  table.push_back(number_key(
+      "separation.lambda", 1e-6f, 1e6f, "price of a wrong guess, times 1 / sqrt(rows)",
+      [](P & p) -> auto& { return p.method.separation.lambda; }));
+  table.push_back(count_key(
+      "separation.iterations", 1, 10000, "of the separation at most",
+      [](P & p) -> auto& { return p.method.separation.iterations; }));
+}
+
+void add_completion_keys(std::vector<Key>& table) {
+  using M = MethodParams;
+  add_rate_keys(
+      table, "bamc", [](TunedParams & p) -> auto& { return p.method.bamc; });
+  add_entry_keys(
+      table, "bamc", [](M & p) -> auto& { return p.bamc_cull; }, [](M & p) -> auto& { return p.bamc_guard; });
+  add_rate_keys(
+      table, "amc", [](TunedParams & p) -> auto& { return p.method.amc.rows; });
+  table.push_back(number_key(
+      "amc.tolerance", 0, 1e6f, "largest sum of squared residuals of the samples",
+      [](TunedParams & p) -> auto& { return p.method.amc.tolerance; }));
+  add_entry_keys(
+      table, "amc", [](M & p) -> auto& { return p.amc_cull; }, [](M & p) -> auto& { return p.amc_guard; });
+  add_rate_keys(
+      table, "gauss-jordan", [](TunedParams & p) -> auto& { return p.method.gauss_jordan; });
+  add_entry_keys(
+      table, "gauss-jordan", [](M & p) -> auto& { return p.gauss_jordan_cull; },
+      [](M & p) -> auto& { return p.gauss_jordan_guard; });
+  add_separation_keys(table);
+  add_entry_keys(
+      table, "separation", [](M & p) -> auto& { return p.separation_cull; },
+      [](M & p) -> auto& { return p.separation_guard; });
+}
+
+std::vector<Key> other_keys() {
+  using P = TunedParams;
+  return {
       count_key(
           "slices.rows", 16, 65536, "receivers a slice at most",
           [](P & p) -> auto& { return p.method.slices.max_rows; }),
@@ -88,26 +177,6 @@ const std::vector<Key>& keys() {
       count_key(
           "cut.points", 0, 65536, "receivers of a slice at which cluster errors are bounded; 0 = all",
           [](P & p) -> auto& { return p.method.cut.n_points; }),
-      number_key(
-          "bamc.alpha", 0, 1, "share of a column's rows sampled at first",
-          [](P & p) -> auto& { return p.method.bamc.alpha; }),
-      number_key(
-          "bamc.beta", 0, 1, "share verified; added to alpha when a column fails",
-          [](P & p) -> auto& { return p.method.bamc.beta; }),
-      number_key(
-          "bamc.omega", 0, 1, "largest alpha", [](P & p) -> auto& { return p.method.bamc.omega; }),
-      switch_key(
-          "bamc.importance", "sample rows where earlier columns changed; false: uniformly",
-          [](P & p) -> auto& { return p.method.bamc.importance; }),
-      switch_key(
-          "bamc.adaptive", "raise alpha after a failed verification; false: keep it",
-          [](P & p) -> auto& { return p.method.bamc.adaptive; }),
-      switch_key(
-          "bamc.cull", "leave out entries whose transfer is zero; false: trace them too, as published",
-          [](P & p) -> auto& { return p.method.bamc_cull; }),
-      number_key(
-          "bamc.guard", 0, 1e30f, "entries above this many times the picture's mean are always traced; 0: as published",
-          [](P & p) -> auto& { return p.method.bamc_guard; }),
       number_key(
           "lightcuts.error", 0, 1, "largest error bound of a cluster over the receiver's total",
           [](P & p) -> auto& { return p.method.lightcuts.error; }),
@@ -147,6 +216,14 @@ const std::vector<Key>& keys() {
           "sharp_alpha", 0, 1, "roughness below which gloss is followed by rays instead of joined to lights",
           [](P & p) -> auto& { return p.sharp_alpha; }),
   };
+}
+
+const std::vector<Key>& keys() {
+  static const std::vector<Key> table = [] {
+    std::vector<Key> all = other_keys();
+    add_completion_keys(all);
+    return all;
+  }();
   return table;
 }
 

@@ -151,7 +151,13 @@ MemoryGuard::MemoryGuard(const World& world, const Settings& settings) : limit_(
   FrameExtent& e = extent_;
   e.has_lights = p.method != "path", e.has_slices = e.has_lights && p.method != "brute-force";
   e.has_packets = p.method == "lightcuts";
-  e.has_pilot = p.method == "bamc" && settings.tuned.method.bamc_guard > 0;
+  const MethodParams& m = settings.tuned.method;
+  e.has_pilot = (p.method == "bamc" && m.bamc_guard > 0) || (p.method == "amc" && m.amc_guard > 0) ||
+                (p.method == "gauss-jordan" && m.gauss_jordan_guard > 0) ||
+                (p.method == "matrix-separation" && m.separation_guard > 0);
+  // amc: at most omega of an entry's row takes part in a decomposition in double precision, and its copies.
+  // matrix-separation: matrices of floats, and its subspace once the rank is full.
+  e.completion_bytes = p.method == "amc" ? 16 : p.method == "matrix-separation" ? 72 : 0;
   e.width = p.width, e.height = p.height, e.passes = p.passes, e.n_threads = allowed_threads();
   e.spp = e.has_lights ? p.spp : std::min(p.spp * p.passes, kPathSamplesAtOnce);
   e.n_clusters = p.n_clusters, e.slice_rows = settings.tuned.method.slices.max_rows;

@@ -68,6 +68,8 @@ struct SliceVisibility::State {
   std::vector<ShadowLight> lights;    ///< [n_columns]
   std::vector<std::size_t> group_ends;
   BitMatrix active, required;
+  std::vector<RowPoint> points;  ///< [n_rows]
+  std::vector<float> energies;   ///< [n_columns], or empty
   std::uint64_t rays = 0, packets = 0;
   double wall_in_trace_s = 0;
   Stopwatch wall;
@@ -93,6 +95,8 @@ SliceVisibility::SliceVisibility(const World& world, const Receivers& receivers,
                        .group_ends = {},
                        .active = BitMatrix(rows.size(), columns.size()),
                        .required = {},
+                       .points = {},
+                       .energies = {},
                        .wall = {},
                        .cpu = {}}) {
   State& s = *state_;
@@ -111,6 +115,7 @@ SliceVisibility::~SliceVisibility() = default;
 void SliceVisibility::State::lay_out_rows(const Receivers& receivers, std::span<const ReceiverId> rows) {
   blocks.resize(words_for(rows.size()));
   offsets.resize(blocks.size());
+  points.reserve(rows.size());
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const std::size_t i = index(rows[r]);
     RowBlock& block = blocks[r / kBlockRows];
@@ -120,6 +125,7 @@ void SliceVisibility::State::lay_out_rows(const Receivers& receivers, std::span<
       block.ng[k][r % kBlockRows] = receivers.ng[i][k];
     }
     offsets[r / kBlockRows].offset[r % kBlockRows] = receivers.offset[i];
+    points.push_back({receivers.p[i].x, receivers.p[i].y, receivers.p[i].z});
   }
 }
 
@@ -157,12 +163,18 @@ Words SliceVisibility::active(std::size_t j) const { return std::as_const(state_
 Words SliceVisibility::required(std::size_t j) const {
   return state_->required.n_columns() > 0 ? std::as_const(state_->required).column(j) : Words{};
 }
+float SliceVisibility::energy(std::size_t j) const { return state_->energies.empty() ? 1.0f : state_->energies[j]; }
+std::span<const RowPoint> SliceVisibility::row_points() const { return state_->points; }
 std::size_t SliceVisibility::n_groups() const { return state_->group_ends.size(); }
 std::size_t SliceVisibility::group_end(std::size_t g) const { return state_->group_ends[g]; }
 const BitMatrix& SliceVisibility::active_matrix() const { return state_->active; }
 void SliceVisibility::require(BitMatrix required) {
   MYRIALUX_ASSERT(required.n_rows() == n_rows() && required.n_columns() == n_columns());
   state_->required = std::move(required);
+}
+void SliceVisibility::set_energies(std::vector<float> energies) {
+  MYRIALUX_ASSERT(energies.size() == n_columns());
+  state_->energies = std::move(energies);
 }
 std::uint64_t SliceVisibility::rays() const { return state_->rays; }
 std::uint64_t SliceVisibility::packets() const { return state_->packets; }
@@ -177,6 +189,7 @@ double SliceVisibility::trace_seconds() const {
 std::size_t SliceVisibility::memory_bytes() const {
   const State& s = *state_;
   return s.blocks.size() * (sizeof(RowBlock) + sizeof(BlockOffsets)) + s.lights.size() * sizeof(ShadowLight) +
+         s.points.size() * sizeof(RowPoint) + s.energies.size() * sizeof(float) +
          (s.active.n_words() + s.required.n_words()) * sizeof(std::uint64_t);
 }
 

@@ -24,12 +24,16 @@ class SliceVisibility final : public EntrySource {
   std::size_t n_columns() const override;
   Words active(std::size_t j) const override;
   Words required(std::size_t j) const override;
+  float energy(std::size_t j) const override;
+  std::span<const RowPoint> row_points() const override;
   std::size_t n_groups() const override;
   std::size_t group_end(std::size_t g) const override;
   void trace(std::size_t j, Words wanted, MutableWords visible) override;
   const BitMatrix& active_matrix() const;
   /// Entries that completion must trace, [n_rows x n_columns], among the active ones; none before this call.
   void require(BitMatrix required);
+  /// What columns may bring, [n_columns]; all 1 before this call.
+  void set_energies(std::vector<float> energies);
   std::uint64_t rays() const;     ///< shadow rays so far
   std::uint64_t packets() const;  ///< packets they travelled in
   double trace_seconds() const;   ///< CPU seconds this thread spent in trace()
