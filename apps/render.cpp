@@ -124,6 +124,10 @@ void add_arguments(CLI::App& c, RenderOptions& o) {
                            p.clamp))
       ->check(number(0, 10))
       ->option_text("FRACTION");
+  c.add_option("--clamp-distance", p.clamp_distance, "The same distance in scene units; in place of\n--clamp")
+      ->check(number(0, 1e30, "scene units"))
+      ->excludes("--clamp")
+      ->option_text("LENGTH");
   c.add_option("--residual", o.residual,
                "on: add by rays what virtual lights cannot\ncarry (clamped light, caustics). Default on")
       ->check(one_of({"on", "off"}))
@@ -240,7 +244,7 @@ std::string footer() {
 
 Methods:
 )";
-  for (const MethodInfo& m : all_methods()) text += fmt::format("  {:<16} {}\n", m.name, m.summary);
+  for (const MethodInfo& m : all_methods()) text += fmt::format("  {:<26} {}\n", m.name, m.summary);
   text += "\n" + definition_help();
   text += R"(
 Exit codes: 0 done; 2 bad usage; 3 bad scene or file; 4 memory limit; 5 output not writable; 130 interrupted.

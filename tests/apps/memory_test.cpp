@@ -102,6 +102,7 @@ TEST_F(MemoryLimit, HoldsForSmallFrames) {
   expect_promise_kept({"cornell-box", "--size 64x64 --vpls 10000"});
   expect_promise_kept({"cornell-box", "--size 300x200 --vpls 10000 --clusters 100"});
   expect_promise_kept({"cornell-box", "--size 200x200 --spp 16 --method path"});
+  expect_promise_kept({"cornell-box", "--size 160x120 --vpls 10000 --method illumination-cut"});
 }
 
 TEST_F(MemoryLimit, HoldsForManyLightsAndLargeFrames_Slow) {
@@ -117,6 +118,8 @@ TEST_F(MemoryLimit, HoldsForManyLightsAndLargeFrames_Slow) {
              "--size 1280x720 --spp 4 --method path --max-depth 2",
              "--size 2000x1500 --spp 1 --vpls 1000 --clusters 20 --aov depth",
              "--size 64x64 --vpls 1000 --method brute-force",
+             "--size 320x180 --vpls 20000 --method illumination-cut -D illumination-cut.error=0.3",
+             "--size 640x360 --vpls 2000 --method illumination-cut-sampling -D illumination-cut-sampling.error=0.3",
          })
       expect_promise_kept({scene, options});
 }

@@ -80,6 +80,7 @@ TEST_F(Usage, MistakesExitWith2AndSayWhatIsAllowed) {
       {{"render", room, "-o", out, "--vpls", "nan"}, "got nan"},
       {{"render", room, "-o", out, "--max-depth", "0"}, "-1: no limit"},
       {{"render", room, "-o", out, "--clamp", "-1"}, "allowed is a number from 0"},
+      {{"render", room, "-o", out, "--clamp", "0.1", "--clamp-distance", "1"}, "--clamp excludes --clamp-distance"},
       {{"render", room, "-o", out, "--filter", "gausian"}, "did you mean gaussian?"},
       {{"render", room, "-o", out, "--direct", "both"}, "vpl, sampled"},
       {{"render", room, "-o", out, "--aov", "normal,deph"}, "did you mean depth?"},

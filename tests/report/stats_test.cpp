@@ -37,14 +37,14 @@ TEST(Stats, HasTheKeysOfTheContractInOrder) {
   const ordered_json j = ordered_json::parse(to_json(some_stats()));
   EXPECT_THAT(keys(j), ElementsAre("version", "scene", "method", "parameters", "seed", "threads", "isa", "device",
                                    "receivers", "virtual_lights", "slices", "clusters_mean", "passes", "visibility",
-                                   "rays", "time_s", "memory_bytes", "error", "clamped_energy_fraction", "warnings"));
+                                   "refinement", "rays", "time_s", "memory_bytes", "error", "clamped_energy_fraction", "warnings"));
   EXPECT_THAT(keys(j["visibility"]),
               ElementsAre("entries", "traced", "fraction", "false_visible_estimate", "false_occluded_estimate",
                           "fully_sampled_columns", "verified_columns"));
   EXPECT_THAT(keys(j["rays"]), ElementsAre("camera", "light", "shadow", "compensation"));
   EXPECT_THAT(keys(j["time_s"]), ElementsAre("load", "build", "receivers", "lights", "cluster", "visibility",
                                              "complete", "shade", "film", "total", "direct"));
-  EXPECT_THAT(keys(j["memory_bytes"]), ElementsAre("peak_rss", "predicted", "scene", "slices_peak"));
+  EXPECT_THAT(keys(j["memory_bytes"]), ElementsAre("peak_rss", "predicted", "scene", "slices_peak", "trees"));
   EXPECT_THAT(keys(j["error"]), ElementsAre("estimate", "confidence"));
 }
 

@@ -22,7 +22,8 @@ enum class Stage : std::uint8_t {
   residual,
   path,
   film,
-  gather_tree
+  gather_tree,
+  point_tree
 };
 
 /// Names all streams of one pass of a render.

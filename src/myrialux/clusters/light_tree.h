@@ -41,6 +41,10 @@ struct LightTree {
   std::vector<std::uint32_t> roots;  ///< in the order of LightKind
   std::vector<LightId> order;        ///< leaves depth first, the kinds one after another
   std::vector<float> importance;     ///< indexed by light, those left out included
+  std::uint64_t memory_bytes() const {
+    return nodes.size() * sizeof(LightNode) + glossy.size() * sizeof(GlossyNode) + order.size() * sizeof(LightId) +
+           importance.size() * sizeof(float);
+  }
   std::uint32_t n_lights() const { return static_cast<std::uint32_t>(order.size()); }
 };
 

@@ -3,6 +3,20 @@
 #include "myrialux/methods/render.h"
 
 namespace myrialux {
+namespace {
+
+std::string path_cannot(const Scene&, const MethodRequest& request) {
+  return request.lights_from_file ? "use virtual lights (--lights)" : "";
+}
+
+std::string names_of(const std::vector<MethodInfo>& methods, const std::function<bool(const MethodInfo&)>& wanted) {
+  std::string names;
+  for (const MethodInfo& m : methods)
+    if (wanted(m)) names += (names.empty() ? "" : ", ") + m.name;
+  return names;
+}
+
+}  // namespace
 
 const std::vector<MethodInfo>& all_methods() {
   static const std::vector<MethodInfo> methods = {
@@ -23,19 +37,31 @@ const std::vector<MethodInfo>& all_methods() {
        "Ou and Pellacini 2011", render_lightslice},
       {"mdlc", "one cut a pixel through the product of its receivers and the lights, 2 % threshold",
        "Walter et al. 2006", render_mdlc, "mdlc.error"},
+      {"illumination-cut", "pairs of point and light clusters within an error bound, one light a pair",
+       "Bus, Mustafa and Biri 2015", render_illumination_cut, "illumination-cut.error"},
+      {"illumination-cut-sampling", "the same, with the visibility of a pair sampled adaptively",
+       "Bus, Mustafa and Biri 2015, algorithm 2", render_illumination_cut_sampling, "illumination-cut-sampling.error"},
       {"brute-force", "every receiver, every virtual light, every ray", "-", render_brute_force, ""},
-      {"path", "path tracer with next-event estimation and multiple importance sampling", "-", {}, ""},
+      {"path", "path tracer with next-event estimation and multiple importance sampling", "-", {}, "", path_cannot},
   };
   return methods;
 }
 
 const MethodInfo& find_method(const std::string& name) {
-  std::string names;
-  for (const MethodInfo& m : all_methods()) {
+  for (const MethodInfo& m : all_methods())
     if (m.name == name) return m;
-    names += (names.empty() ? "" : ", ") + m.name;
-  }
-  throw Error(ErrorKind::usage, "unknown method '" + name + "'; known: " + names);
+  throw Error(ErrorKind::usage, "unknown method '" + name +
+                                    "'; known: " + names_of(all_methods(), [](const MethodInfo&) { return true; }));
+}
+
+void require_able(const MethodInfo& method, const Scene& scene, const MethodRequest& request,
+                  const std::vector<MethodInfo>& all) {
+  const auto fault = [&](const MethodInfo& m) { return m.cannot ? m.cannot(scene, request) : std::string(); };
+  const std::string what = fault(method);
+  if (what.empty()) return;
+  const std::string able = names_of(all, [&](const MethodInfo& m) { return fault(m).empty(); });
+  throw Error(ErrorKind::usage, "method '" + method.name + "' cannot " + what +
+                                    (able.empty() ? "; no method can" : "; methods that can: " + able));
 }
 
 }  // namespace myrialux

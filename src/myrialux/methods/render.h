@@ -12,6 +12,8 @@
 #include "myrialux/completion/bamc.h"
 #include "myrialux/completion/matrix_separation.h"
 #include "myrialux/report/stats.h"
+#include "myrialux/visibility/approximate_radiance.h"
+#include "myrialux/visibility/pair_sampler.h"
 
 namespace myrialux {
 
@@ -35,6 +37,16 @@ struct LightcutsParams {
   TreeKind tree = TreeKind::agglomerative;
 };
 
+/// Knobs of illumination-cut and illumination-cut-sampling. Defaults as published.
+struct IlluminationCutParams {
+  float error = 0.015f;          ///< largest bound of a pair's error, as a share of the receivers' approximate radiance
+  float sampling_error = 0.01f;  ///< the same of illumination-cut-sampling
+  std::uint32_t normal_levels = 3;
+  TreeKind tree = TreeKind::agglomerative;
+  ApproximationParams approximation;  ///< its clamp distance and scene radius are the frame's
+  SamplingParams sampling;
+};
+
 /// All knobs of all methods; which apply is in docs/methods. Settable by -D key=value (see parameter table).
 struct MethodParams {
   SliceParams slices;
@@ -52,6 +64,7 @@ struct MethodParams {
   /// As bamc_cull and bamc_guard, but without guard unless asked for: these methods are compared as published.
   bool amc_cull = true, gauss_jordan_cull = true, separation_cull = true;
   float amc_guard = 0, gauss_jordan_guard = 0, separation_guard = 0;
+  IlluminationCutParams illumination_cut;
   RandomKey key;
 };
 
@@ -74,16 +87,29 @@ struct MethodResult {
 /// Adds counters and times to `stats`.
 using Method = std::function<MethodResult(const FrameView&, const MethodParams&, Progress&, RenderStats&)>;
 
+/// What a render asks of its method besides the scene.
+struct MethodRequest {
+  bool lights_from_file = false;  ///< RenderParams::lights_file
+};
+
 struct MethodInfo {
   std::string name, summary, source;
   Method render;  ///< empty for `path`, which has no virtual lights
   /// What trades time for error: "clusters", or a -D key that is an error threshold; empty: nothing does.
   std::string knob = "clusters";
+  /// What of a scene and request the method cannot do, as the end of a sentence ("render volumes"); empty: nothing.
+  /// Not set: it can do all that scenes and requests may hold.
+  std::function<std::string(const Scene&, const MethodRequest&)> cannot = {};
 };
 /// All methods, in the order of the documentation.
 const std::vector<MethodInfo>& all_methods();
 /// @throws Error (usage) that lists the names.
 const MethodInfo& find_method(const std::string& name);
+
+/// Asked before any work. @throws Error (usage) if the method cannot do what is asked, with the names of those among
+/// `all` that can
+void require_able(const MethodInfo& method, const Scene& scene, const MethodRequest& request,
+                  const std::vector<MethodInfo>& all = all_methods());
 
 MethodResult render_bamc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_amc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
@@ -93,6 +119,8 @@ MethodResult render_slice_lightcuts(const FrameView&, const MethodParams&, Progr
 MethodResult render_lightcuts(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_mdlc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_lightslice(const FrameView&, const MethodParams&, Progress&, RenderStats&);
+MethodResult render_illumination_cut(const FrameView&, const MethodParams&, Progress&, RenderStats&);
+MethodResult render_illumination_cut_sampling(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_brute_force(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 
 }  // namespace myrialux

@@ -9,6 +9,7 @@
 
 #include "myrialux/base/error.h"
 #include "myrialux/clusters/receiver_cut.h"
+#include "myrialux/clusters/point_tree.h"
 #include "myrialux/film/film.h"
 #include "myrialux/methods/slice_driver.h"
 #include "myrialux/pipeline/frame_state.h"
@@ -46,6 +47,16 @@ Bytes slice_bytes(const FrameExtent& f) {
   return kRow * f.slice_rows + n_columns(f) * kColumn + kMatrices * bits_bytes(f) + glossy * kTable +
          n_columns(f) * f.slice_rows * f.completion_bytes;
 }
+
+/// One block of an illumination cut in flight, and the lists from the root to it: its pairs, at most so many columns at
+/// once. Lists hold no more than a few light nodes a light; far fewer unless the error threshold is next to 0.
+Bytes block_bytes(const FrameExtent& f) {
+  constexpr Bytes kColumn = 500 + 256 + 64, kColumns = 1024, kListed = 64;
+  return kColumns * kColumn + kListed * f.n_lights;
+}
+
+/// Of every receiver: two nodes at most, its place in the order; while building also its code.
+constexpr Bytes kPointNodes = 2 * sizeof(PointNode), kPointCode = 16;
 
 Bytes pilot_bytes(const FrameExtent& f) {
   return f.has_pilot ? (n_samples(f) / f.slice_rows / kPilotStride + 1) * bits_bytes(f) : 0;
@@ -91,6 +102,12 @@ Parts pass_parts(const FrameExtent& f) {
     gathering.slices = samples * kOrder + Bytes(f.n_threads) * slice_bytes(f) + pilot_bytes(f) + reduced_bytes(f);
     gathering.lights += tree;
   }
+  if (f.has_point_tree) {
+    grouping.slices = samples * (kPointCode + kOrder + kPointNodes);
+    building.slices = 0;
+    gathering.slices = samples * (kOrder + kPointNodes) + Bytes(f.n_threads) * block_bytes(f);
+    grouping.lights += tree;
+  }
   return largest({receivers, reading, grouping, building, gathering});
 }
 
@@ -129,7 +146,7 @@ std::vector<std::string> smaller_settings(const FrameExtent& f, Bytes room) {
     options.push_back(fmt::format("--spp {} --passes {}", g.spp, (f.passes * f.spp + g.spp - 1) / g.spp));
   g = f;
   while (g.n_clusters > 100 && !fits(g)) g.n_clusters /= 2;
-  if (f.has_slices && fits(g)) options.push_back(fmt::format("--clusters {}", g.n_clusters));
+  if (f.has_slices && !f.has_point_tree && fits(g)) options.push_back(fmt::format("--clusters {}", g.n_clusters));
   g = f;
   while (g.n_lights > 1000 && !fits(g)) g = with_lights(g, g.n_lights / 2);
   if (f.has_lights && f.lights_file_bytes == 0 && fits(g)) options.push_back(fmt::format("--vpls {}", g.n_lights));

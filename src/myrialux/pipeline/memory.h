@@ -10,6 +10,7 @@ namespace myrialux {
 struct FrameExtent {
   bool has_lights = true, has_slices = true;  ///< brute-force has no slices, path neither
   std::uint32_t completion_bytes = 0;         ///< working space of the completion for each entry of a slice
+  bool has_point_tree = false;                ///< of all receivers; then slices are small blocks of them
   bool has_pilot = false;                     ///< some slices' bits are kept (SliceMethod::guard)
   bool has_packets = false;                   ///< a cut a receiver in place of one a slice (lightcuts)
   int width = 0, height = 0, spp = 1, passes = 1;

@@ -189,6 +189,36 @@ std::vector<Key> other_keys() {
       number_key(
           "mdlc.error", 0, 1, "largest error bound of a pair of clusters, as a share of the pixel's estimate",
           [](P & p) -> auto& { return p.method.mdlc_error; }),
+      number_key(
+          "illumination-cut.error", 0, 1, "largest error bound of a pair, as a share of the approximate radiance",
+          [](P & p) -> auto& { return p.method.illumination_cut.error; }),
+      number_key(
+          "illumination-cut.radius", 0.001f, 1, "phase I: largest radius of a pair's clusters over their distance",
+          [](P & p) -> auto& { return p.method.illumination_cut.approximation.radius; }),
+      number_key(
+          "illumination-cut.aperture", 0.1f, 360, "phase I: largest opening angle of light cones, degrees",
+          [](P & p) -> auto& { return p.method.illumination_cut.approximation.aperture_deg; }),
+      count_key(
+          "illumination-cut.normal_levels", 0, kMaxNormalLevels, "levels of the point tree that divide normals",
+          [](P & p) -> auto& { return p.method.illumination_cut.normal_levels; }),
+      choice_key<TreeKind>(
+          "illumination-cut.tree", {"agglomerative", "divisive"}, "as lightcuts.tree",
+          [](P & p) -> auto& { return p.method.illumination_cut.tree; }),
+      number_key(
+          "illumination-cut-sampling.error", 0, 1, "as illumination-cut.error",
+          [](P & p) -> auto& { return p.method.illumination_cut.sampling_error; }),
+      count_key(
+          "illumination-cut-sampling.samples", 2, kMaxPairSamples, "rays a pair of more than `large` receivers",
+          [](P & p) -> auto& { return p.method.illumination_cut.sampling.samples; }),
+      count_key(
+          "illumination-cut-sampling.few_samples", 2, kMaxPairSamples, "rays a pair of fewer",
+          [](P & p) -> auto& { return p.method.illumination_cut.sampling.few_samples; }),
+      count_key(
+          "illumination-cut-sampling.large", 1, 1 << 20, "see above",
+          [](P & p) -> auto& { return p.method.illumination_cut.sampling.large; }),
+      count_key(
+          "illumination-cut-sampling.least", 2, kMaxLeastPoints, "pairs of fewer receivers are traced whole",
+          [](P & p) -> auto& { return p.method.illumination_cut.sampling.least; }),
       count_key(
           "lightslice.slices", 1, 1000000,
           "slices, and rows of the reduced matrix, at most (64 receivers each at least)",

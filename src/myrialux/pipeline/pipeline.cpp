@@ -64,6 +64,7 @@ RenderOutput render(const Scene& scene, const RenderParams& params, Progress& pr
   const MethodInfo& method = find_method(params.method);
   const Settings settings = settle(scene, params);
   require_renderable(scene);
+  require_able(method, scene, {.lights_from_file = !params.lights_file.empty()});
   const int n_threads = params.threads > 0 ? params.threads : available_threads();
   const ThreadScope threads(n_threads);
 
@@ -124,6 +125,10 @@ float robust_radius(const Receivers& receivers) {
   return 0.5f * length(extent);
 }
 
+float clamp_length(float clamp, float clamp_distance, const Receivers& receivers) {
+  return clamp_distance >= 0 ? clamp_distance : clamp * robust_radius(receivers);
+}
+
 namespace {
 
 Settings settle(const Scene& scene, const RenderParams& params) {
@@ -158,6 +163,7 @@ MemoryGuard::MemoryGuard(const World& world, const Settings& settings) : limit_(
   // amc: at most omega of an entry's row takes part in a decomposition in double precision, and its copies.
   // matrix-separation: matrices of floats, and its subspace once the rank is full.
   e.completion_bytes = p.method == "amc" ? 16 : p.method == "matrix-separation" ? 72 : 0;
+  e.has_point_tree = p.method.starts_with("illumination-cut");
   e.width = p.width, e.height = p.height, e.passes = p.passes, e.n_threads = allowed_threads();
   e.spp = e.has_lights ? p.spp : std::min(p.spp * p.passes, kPathSamplesAtOnce);
   e.n_clusters = p.n_clusters, e.slice_rows = settings.tuned.method.slices.max_rows;
@@ -230,7 +236,7 @@ void render_pass(const World& world, const Settings& settings, int pass, MemoryG
   // The method: which entries are joined, and how they are summed.
   MethodParams method_params = settings.tuned.method;
   method_params.key = method_params.tree.key = key;
-  method_params.cut.clamp_distance = params.clamp * robust_radius(receivers);
+  method_params.cut.clamp_distance = clamp_length(params.clamp, params.clamp_distance, receivers);
   const float scene_radius = 0.5f * world.scene.bounds().diagonal();
   MethodResult result =
       find_method(params.method)
@@ -320,7 +326,10 @@ Metadata describe(const Scene& scene, const Settings& settings, const RenderStat
     m["myrialux.vpls"] = std::to_string(p.n_lights);
     m["myrialux.clusters"] = std::to_string(p.n_clusters);
     m["myrialux.direct"] = p.direct == RenderParams::Direct::vpl ? "vpl" : "sampled";
-    m["myrialux.clamp"] = fmt::format("{}", p.clamp);
+    if (p.clamp_distance >= 0)
+      m["myrialux.clamp_distance"] = fmt::format("{}", p.clamp_distance);
+    else
+      m["myrialux.clamp"] = fmt::format("{}", p.clamp);
     m["myrialux.residual"] = p.residual ? "on" : "off";
     if (!p.lights_file.empty()) m["myrialux.lights"] = p.lights_file;
     if (stats.visibility.entries > 0)

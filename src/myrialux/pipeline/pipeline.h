@@ -17,8 +17,9 @@ struct RenderParams {
   std::uint32_t n_clusters = 1000;
   int max_depth = 0;  ///< 0: as the scene says; -1: no limit
   enum class Direct { vpl, sampled } direct = Direct::vpl;
-  float clamp = 0.02f;   ///< fraction of the robust scene radius; 0 = off
-  bool residual = true;  ///< add what virtual lights cannot carry (see transport/paths.h)
+  float clamp = 0.02f;        ///< fraction of the robust scene radius; 0 = off
+  float clamp_distance = -1;  ///< the same in scene units, in place of `clamp`; negative: not given
+  bool residual = true;       ///< add what virtual lights cannot carry (see transport/paths.h)
   int passes = 1;
   std::uint64_t seed = 0;
   int threads = 0;                           ///< 0: all available
@@ -43,6 +44,9 @@ RenderOutput render(const Scene& scene, const RenderParams& params, Progress& pr
 /// Half the diagonal of the box that holds the middle 96 % of the receivers along each axis: a scene size that one far
 /// ground plane does not spoil.
 float robust_radius(const Receivers& receivers);
+
+/// Least distance that counts, in scene units; 0: none. @param clamp, clamp_distance as in RenderParams
+float clamp_length(float clamp, float clamp_distance, const Receivers& receivers);
 
 /// Name, default and meaning of every -D key, for --help and docs.
 struct ParameterInfo {

@@ -22,6 +22,11 @@ struct RenderStats {
     /// file
     std::uint64_t checked = 0, false_visible = 0, false_occluded = 0;
   } visibility;
+  /// Of methods that refine clusters to an error bound.
+  struct Refinement {
+    std::uint64_t bounds = 0;          ///< upper bounds taken; 0: not counted
+    std::uint64_t approximate_rays = 0;  ///< of rays.shadow, those that only told how bright the picture is
+  } refinement;
   struct Rays {
     std::uint64_t camera = 0, light = 0, shadow = 0, compensation = 0;
   } rays;
@@ -30,6 +35,7 @@ struct RenderStats {
   std::map<std::string, double> time_s;
   struct Memory {
     std::uint64_t peak_rss = 0, scene = 0, slices_peak = 0;
+    std::uint64_t trees = 0;      ///< hierarchies of lights and of all receivers; 0: not measured
     std::uint64_t predicted = 0;  ///< what the process was to take at most; 0: not predicted
   } memory;
   double error_estimate = -1, error_confidence = -1;  ///< -1: not measured
