@@ -35,9 +35,10 @@ RenderStats some_stats() {
 
 TEST(Stats, HasTheKeysOfTheContractInOrder) {
   const ordered_json j = ordered_json::parse(to_json(some_stats()));
-  EXPECT_THAT(keys(j), ElementsAre("version", "scene", "method", "parameters", "seed", "threads", "isa", "device",
-                                   "receivers", "virtual_lights", "slices", "clusters_mean", "passes", "visibility",
-                                   "refinement", "rays", "time_s", "memory_bytes", "error", "clamped_energy_fraction", "warnings"));
+  EXPECT_THAT(keys(j),
+              ElementsAre("version", "scene", "method", "parameters", "seed", "threads", "isa", "device", "receivers",
+                          "virtual_lights", "slices", "clusters_mean", "passes", "visibility", "refinement", "rays",
+                          "time_s", "memory_bytes", "error", "clamped_energy_fraction", "warnings"));
   EXPECT_THAT(keys(j["visibility"]),
               ElementsAre("entries", "traced", "fraction", "false_visible_estimate", "false_occluded_estimate",
                           "fully_sampled_columns", "verified_columns"));

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "myrialux/base/error.h"
-#include "myrialux/clusters/receiver_cut.h"
 #include "myrialux/clusters/point_tree.h"
+#include "myrialux/clusters/receiver_cut.h"
 #include "myrialux/film/film.h"
 #include "myrialux/methods/slice_driver.h"
 #include "myrialux/pipeline/frame_state.h"

@@ -24,7 +24,7 @@ struct RenderStats {
   } visibility;
   /// Of methods that refine clusters to an error bound.
   struct Refinement {
-    std::uint64_t bounds = 0;          ///< upper bounds taken; 0: not counted
+    std::uint64_t bounds = 0;            ///< upper bounds taken; 0: not counted
     std::uint64_t approximate_rays = 0;  ///< of rays.shadow, those that only told how bright the picture is
   } refinement;
   struct Rays {
