@@ -162,6 +162,13 @@ TEST(SliceVisibility, GroupsAreRunsOfOneKindAndOctant) {
   EXPECT_EQ(begin, s.columns.size());
 }
 
+TEST(SliceVisibility, KindsStayApartWhereTheirOctantsMeet) {
+  Setting s(options(64, 400));
+  const Vec3 centre = slice_centre(s.room.receivers, s.rows);
+  std::erase_if(s.columns, [&](const Column& c) { return octant(centre, s.room.lights, c.light) != 3; });
+  EXPECT_EQ(s.slice().n_groups(), 4u);
+}
+
 TEST(SliceVisibility, AdjacentRowsShareAPacketAndScatteredOnesArePackedTogether) {
   const Setting s(options(1024, 4));
   SliceVisibility slice = s.slice(false);
