@@ -4,6 +4,7 @@
     measure_methods.py PROGRAM completion SCENE.xml... [--method NAME] [--seed N] [-- -D bamc.alpha=0.05 ...]
                                                          a completion (bamc unless named; with these options) against
                                                          slice-lightcuts, same cuts
+    measure_methods.py PROGRAM ablations SCENE.xml...    completions and their options against slice-lightcuts
     measure_methods.py PROGRAM clusters SCENE.xml...     both against brute-force on the same lights, by --clusters
 
 Only light from virtual lights counts (--direct vpl --residual off), so that a difference is the method's alone.
@@ -67,6 +68,41 @@ def completion(args, folder):
               f"{t['visibility'] + t['complete']:.2f} | {cpu[1] - cpu[0]:.0f} | {cpu[2] - cpu[1]:.0f} |", flush=True)
 
 
+def ablations():
+    """Name, method and options of each line of the table; bamc without guard, as published."""
+    rates = (5, 10, 20)
+    lines = [("default", "")]
+    lines += [(f"alpha fixed at {a} %", f"alpha={a / 100} adaptive=false") for a in rates]
+    uniform = [("uniform rows", "importance=false")]
+    uniform += [(f"uniform rows, alpha fixed at {a} %", f"importance=false alpha={a / 100} adaptive=false")
+                for a in rates]
+    letter = [("algorithm 1, alpha 10 %", "alpha=0.1 importance=false adaptive=false resample=false beta=0")]
+    separation = [("default", ""), ("guesses alone", "separate=false"),
+                  ("guesses alone, error 2 %, all columns validated", "separate=false error=0.02 energy=0")]
+    for method, prefix, variants in (("bamc", "bamc", lines + uniform), ("gauss-jordan", "gauss-jordan", lines),
+                                     ("amc", "amc", lines + letter), ("matrix-separation", "separation", separation)):
+        for name, text in variants:
+            yield name, method, [word for o in f"{text} guard=0".split() for word in ("-D", f"{prefix}.{o}")]
+
+
+def measure_ablations(args, folder):
+    print("| scene | method | options | traced % of active | relative RMSE % | without 0.1 % | mean % | "
+          "complete, share of visibility + complete |")
+    print("|---|---|---|---|---|---|---|---|")
+    for scene in args.scenes:
+        common = ["--size", args.size, "--spp", args.spp, "--vpls", args.vpls, "--clusters", args.clusters,
+                  "--seed", args.seed]
+        full, _ = render(args.program, scene, "slice-lightcuts", folder, *common)
+        n_worst = luminance(full).size // 1000
+        for name, method, options in ablations():
+            picture, stats = render(args.program, scene, method, folder, *common, *options)
+            v, t = stats["visibility"], stats["time_s"]
+            mean = luminance(picture).mean() / luminance(full).mean() - 1
+            print(f"| {scene.parent.name} | {method} | {name} | {100 * v['fraction']:.1f} | "
+                  f"{100 * relative_rmse(full, picture):.2f} | {100 * relative_rmse(full, picture, n_worst):.2f} | "
+                  f"{100 * mean:+.2f} | {t['complete'] / (t['visibility'] + t['complete']):.2f} |", flush=True)
+
+
 def clusters(args, folder):
     counts = [125, 250, 500, 1000, 2000]
     print("| scene | method | " + " | ".join(f"C = {c}" for c in counts) + " |")
@@ -89,19 +125,19 @@ def split_at_dashes(arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
-    parser.add_argument("what", choices=["completion", "clusters"])
+    parser.add_argument("what", choices=["completion", "ablations", "clusters"])
     parser.add_argument("scenes", type=pathlib.Path, nargs="+")
     parser.add_argument("--size", default="640x360")
     parser.add_argument("--vpls", type=int, default=100000)
     parser.add_argument("--clusters", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--spp", type=int, default=4, help="of completion")
+    parser.add_argument("--spp", type=int, default=4, help="of completion and ablations")
     parser.add_argument("--method", default="bamc", help="of completion: any method of slices")
     own, extra = split_at_dashes(sys.argv[1:])
     args = parser.parse_args(own)
     args.extra = extra
     with tempfile.TemporaryDirectory() as name:
-        {"completion": completion, "clusters": clusters}[args.what](args, pathlib.Path(name))
+        {"completion": completion, "ablations": measure_ablations, "clusters": clusters}[args.what](args, pathlib.Path(name))
 
 
 if __name__ == "__main__":
