@@ -1,6 +1,10 @@
 // Times of slices, light tree and cut on a synthetic room: receivers by pixel on the walls and a ball, lights strewn.
 #include <benchmark/benchmark.h>
 
+#include <fstream>
+#include <string>
+
+#include "myrialux/base/process.h"
 #include "myrialux/clusters/agglomerative_tree.h"
 #include "myrialux/clusters/cut.h"
 #include "myrialux/math/warp.h"
@@ -88,23 +92,57 @@ void slices(benchmark::State& state) {
 }
 BENCHMARK(slices)->Arg(100'000)->Arg(3'600'000)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-void light_tree(benchmark::State& state) {
-  const Room room;
-  const VirtualLights lights = make_lights(static_cast<std::size_t>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(build_light_tree(room.world(), lights, kRadius, {}));
+/// A number of /proc/self/status, MiB.
+double status_mib(const std::string& name) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with(name + ":")) return std::stod(line.substr(name.size() + 1)) / 1024;
+  return 0;
 }
-BENCHMARK(light_tree)->Arg(10'000)->Arg(100'000)->Arg(1'000'000)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-void agglomerative_tree(benchmark::State& state) {
+/// Builds trees of so many lights. Counters, MiB: the tree itself, and the peak while it is built.
+template <class Build>
+void measure_tree(benchmark::State& state, const Build& build) {
   const Room room;
   const VirtualLights lights = make_lights(static_cast<std::size_t>(state.range(0)));
-  for (auto _ : state)
-    benchmark::DoNotOptimize(build_agglomerative_tree(
-        room.world(), lights, kRadius, {.n_competing = static_cast<std::uint32_t>(state.range(1)), .key = {}}));
+  for (auto _ : state) benchmark::DoNotOptimize(build(room.world(), lights));
+
+  release_freed_memory();
+  std::ofstream("/proc/self/clear_refs") << "5";  // the peak starts anew
+  const double before = status_mib("VmRSS");
+  const LightTree tree = build(room.world(), lights);
+  state.counters["peak_MiB"] = status_mib("VmHWM") - before;
+  const std::size_t bytes = tree.nodes.size() * sizeof(LightNode) + tree.glossy.size() * sizeof(GlossyNode) +
+                            tree.order.size() * sizeof(LightId) + tree.importance.size() * sizeof(float);
+  state.counters["tree_MiB"] = static_cast<double>(bytes) / (1 << 20);
+}
+
+void light_tree(benchmark::State& state) {
+  measure_tree(state, [](const World& world, const VirtualLights& lights) {
+    return build_light_tree(world, lights, kRadius, {});
+  });
+}
+BENCHMARK(light_tree)
+    ->RangeMultiplier(10)
+    ->Range(10'000, 10'000'000)
+    ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()  // of all threads
+    ->UseRealTime();
+
+/// Arguments: lights, groups that compete.
+void agglomerative_tree(benchmark::State& state) {
+  const auto n_competing = static_cast<std::uint32_t>(state.range(1));
+  measure_tree(state, [=](const World& world, const VirtualLights& lights) {
+    return build_agglomerative_tree(world, lights, kRadius, {.n_competing = n_competing, .key = {}});
+  });
 }
 BENCHMARK(agglomerative_tree)
-    ->ArgsProduct({{10'000, 100'000, 1'000'000}, {8, 16, 32, 64}})
+    ->ArgsProduct({{10'000, 100'000, 1'000'000, 10'000'000}, {32}})
+    ->Args({1'000'000, 8})
+    ->Args({1'000'000, 16})
+    ->Args({1'000'000, 64})
     ->Unit(benchmark::kMillisecond)
+    ->MeasureProcessCPUTime()
     ->UseRealTime();
 
 /// Arguments: clusters, points (0: all 1024). One thread; a slice an iteration.
