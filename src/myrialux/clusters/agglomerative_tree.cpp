@@ -1,5 +1,5 @@
 // Builds a light tree bottom-up. Lights are sorted along a curve through position and normal; both halves of the curve
-// are clustered on their own down to a few groups, which then compete with each other. [gu13; walter05, 5]
+// are clustered on their own down to a few groups, which then compete with each other. [gu13; walter05]
 // Deviations from [gu13]: the curve runs through six dimensions; costs are kept in a matrix.
 #include "myrialux/clusters/agglomerative_tree.h"
 
@@ -179,7 +179,7 @@ Merges Clustering::run() {
 }
 
 /// Groups that a subtree hands up: half of those that compete at the lowest level, more for larger subtrees. Higher up
-/// more groups are there, and a wrong partner costs more. [gu13, 3]
+/// more groups are there, and a wrong partner costs more. [gu13]
 std::size_t Clustering::n_kept(std::size_t n_lights) const {
   const double competing = static_cast<double>(n_competing_), share = static_cast<double>(n_lights) / competing;
   return std::max<std::size_t>(1, static_cast<std::size_t>(competing / 2 * std::pow(share, 0.25)));

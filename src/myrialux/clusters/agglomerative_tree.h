@@ -1,5 +1,5 @@
 // Hierarchy over virtual lights, built bottom-up: the two groups that are cheapest to stand for by one light are joined
-// first. [walter05, 5], made fast as approximate agglomerative clustering [gu13].
+// first. [walter05], made fast as approximate agglomerative clustering [gu13].
 #pragma once
 
 #include "myrialux/clusters/light_tree.h"

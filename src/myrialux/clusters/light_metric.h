@@ -1,4 +1,4 @@
-// What it costs to stand for lights by one: intensity times (diagonal^2 + c^2 (1 - cos half angle)^2). [walter05, 5]
+// What it costs to stand for lights by one: intensity times (diagonal^2 + c^2 (1 - cos half angle)^2). [walter05]
 #pragma once
 
 #include <algorithm>
