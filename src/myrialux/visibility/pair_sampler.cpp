@@ -51,7 +51,8 @@ void PairSampler::sample(std::uint32_t first, std::uint32_t count, LightId light
   if (samples.active != 0 && samples.visible == samples.active) {
     append({first, first + count}, runs, runs.size());
   } else if (samples.active == 0 || samples.visible != 0) {
-    if ((count + n_parts - 1) / n_parts < params_.least) return trace_all(first, count, light, samples, runs);
+    const bool small_parts = count <= n_parts * (params_.least - 1);  // even the largest has fewer than `least` points
+    if (small_parts) return trace_all(first, count, light, samples, runs);
     for (std::uint32_t k = 0; k < n_parts; ++k) {
       const std::uint32_t begin = part_begin(first, count, k, n_parts);
       sample(begin, part_begin(first, count, k + 1, n_parts) - begin, light, runs);
