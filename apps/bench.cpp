@@ -214,7 +214,7 @@ void save_picture(const BenchOptions& o, const std::string& path, const std::vec
 
 BenchRecord record_of(const FrameRun& run) {
   BenchRecord r;
-  r.seconds = run.seconds;
+  r.seconds = run.seconds, r.cpu_seconds = run.cpu_seconds;
   r.shadow_rays = run.stats.rays.shadow;
   r.entries = run.stats.visibility.entries, r.traced = run.stats.visibility.traced;
   r.bytes = run.stats.memory.slices_peak;

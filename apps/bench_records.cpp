@@ -30,6 +30,7 @@ Json record_json(const BenchRecord& r) {
           {"knob", r.knob},
           {"repeat", r.repeat},
           {"seconds", r.seconds},
+          {"cpu_seconds", r.cpu_seconds},
           {"shadow_rays", r.shadow_rays},
           {"entries", r.entries},
           {"traced", r.traced},
@@ -50,6 +51,7 @@ BenchRecord record_of(const Json& j) {
           .budget = j.at("budget"),
           .repeat = j.at("repeat"),
           .seconds = j.at("seconds"),
+          .cpu_seconds = j.contains("cpu_seconds") ? number_or_nan(j["cpu_seconds"]) : number_or_nan({}),
           .shadow_rays = j.at("shadow_rays"),
           .entries = j.at("entries"),
           .traced = j.at("traced"),
@@ -85,6 +87,12 @@ std::vector<BenchRecord> read_records(const std::string& path) {
   std::error_code none;
   if (fs::exists(path, none) && fs::file_size(path, none) != whole.size()) write_file(path, whole);
   return records;
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
 }
 
 /// "size 640x360, was 320x180; ..." of the keys that differ.
@@ -141,21 +149,20 @@ void BenchFolder::add(const BenchRecord& record) {
 
 std::vector<BenchResult> summarise(const std::vector<BenchRecord>& records) {
   std::vector<BenchResult> results;
-  std::vector<std::vector<double>> seconds;
+  std::vector<std::vector<double>> seconds, cpu_seconds;
   for (const BenchRecord& r : records) {
     const auto same = std::find_if(results.begin(), results.end(), [&](const BenchResult& o) {
       return o.first.scene == r.scene && o.first.method == r.method && o.first.budget == r.budget;
     });
     const auto at = static_cast<std::size_t>(same - results.begin());
-    if (same == results.end()) results.push_back({.first = r}), seconds.emplace_back();
-    seconds[at].push_back(r.seconds);
+    if (same == results.end()) results.push_back({.first = r}), seconds.emplace_back(), cpu_seconds.emplace_back();
+    seconds[at].push_back(r.seconds), cpu_seconds[at].push_back(r.cpu_seconds);
   }
   for (std::size_t k = 0; k < results.size(); ++k) {
-    std::sort(seconds[k].begin(), seconds[k].end());
-    const std::size_t n = seconds[k].size();
-    results[k].seconds = 0.5 * (seconds[k][(n - 1) / 2] + seconds[k][n / 2]);
-    results[k].least_s = seconds[k].front(), results[k].most_s = seconds[k].back();
-    results[k].repeats = static_cast<int>(n);
+    results[k].seconds = median(seconds[k]), results[k].cpu_seconds = median(cpu_seconds[k]);
+    results[k].least_s = *std::min_element(seconds[k].begin(), seconds[k].end());
+    results[k].most_s = *std::max_element(seconds[k].begin(), seconds[k].end());
+    results[k].repeats = static_cast<int>(seconds[k].size());
   }
   // Repeats and budgets take turns while running; readers want each method's budgets together.
   std::vector<std::string> order;
@@ -179,6 +186,7 @@ Json to_json(const BenchResult& r) {
   Json json = record_json(r.first);
   json.erase("repeat");
   json["seconds"] = r.seconds, json["seconds_least"] = r.least_s, json["seconds_most"] = r.most_s;
+  json["cpu_seconds"] = r.cpu_seconds;
   json["repeats"] = r.repeats;
   json["flip"] = r.first.flip;
   return json;
@@ -186,15 +194,16 @@ Json to_json(const BenchResult& r) {
 
 std::string to_csv(const std::vector<BenchResult>& results) {
   std::string text =
-      "scene,method,budget,knob,seconds,seconds_least,seconds_most,repeats,shadow_rays,entries,traced,clusters_mean,"
+      "scene,method,budget,knob,seconds,seconds_least,seconds_most,cpu_seconds,repeats,shadow_rays,entries,traced,"
+      "clusters_mean,"
       "method_bytes,relative_rmse,relative_rmse_without_worst,rmse,relmse,bias,flip\n";
   const auto cell = [](double value) { return std::isnan(value) ? std::string() : fmt::format("{:.6g}", value); };
   for (const BenchResult& r : results) {
     const BenchRecord& f = r.first;
-    text += fmt::format("{},{},{},{},{:.4f},{:.4f},{:.4f},{},{},{},{},{:.1f},{},{},{},{},{},{},{}\n", f.scene, f.method,
-                        f.budget, f.knob, r.seconds, r.least_s, r.most_s, r.repeats, f.shadow_rays, f.entries, f.traced,
-                        f.clusters_mean, f.bytes, cell(f.relative_rmse), cell(f.relative_rmse_without_worst),
-                        cell(f.rmse), cell(f.relmse), cell(f.bias), cell(f.flip));
+    text += fmt::format("{},{},{},{},{:.4f},{:.4f},{:.4f},{},{},{},{},{},{:.1f},{},{},{},{},{},{},{}\n", f.scene,
+                        f.method, f.budget, f.knob, r.seconds, r.least_s, r.most_s, cell(r.cpu_seconds), r.repeats,
+                        f.shadow_rays, f.entries, f.traced, f.clusters_mean, f.bytes, cell(f.relative_rmse),
+                        cell(f.relative_rmse_without_worst), cell(f.rmse), cell(f.relmse), cell(f.bias), cell(f.flip));
   }
   return text;
 }

@@ -14,7 +14,7 @@ struct BenchRecord {
   std::string scene, method, knob;  ///< knob: what the budget came to, "clusters=500"
   double budget = 1;
   int repeat = 0;
-  double seconds = 0;
+  double seconds = 0, cpu_seconds = 0;  ///< wall time; CPU time of all threads, NaN if not recorded
   std::uint64_t shadow_rays = 0, entries = 0, traced = 0, bytes = 0;  ///< bytes: working memory of the method
   double clusters_mean = 0;
   /// Of the picture against brute force on the same lights, luminance; NaN in records of brute force itself.
@@ -48,6 +48,7 @@ class BenchFolder {
 struct BenchResult {
   BenchRecord first;                            ///< pictures and counts are the same in all repeats
   double seconds = 0, least_s = 0, most_s = 0;  ///< median, smallest, largest
+  double cpu_seconds = 0;                       ///< median
   int repeats = 0;
 };
 /// In the order of scenes, methods and budgets as they first appear.

@@ -87,7 +87,7 @@ def curves(results, chosen, x, y):
 def add_table(page, results, chosen):
     from myrialux.report.tables import best_cells, number, table
     columns = [("method", ""), ("knob", "what the budget came to"), ("seconds", "median of the repeats"),
-               ("fastest", ""), ("slowest", ""), ("shadow rays, M", ""),
+               ("fastest", ""), ("slowest", ""), ("CPU s", "of all threads, median"), ("shadow rays, M", ""),
                ("traced", "share of the entries that could carry light"), ("clusters", "a slice, receiver or pixel"),
                ("memory, MiB", "the method's own"), ("relative RMSE", ""), ("without worst 0.1 %", ""), ("relMSE", ""),
                ("bias", ""), ("HDR-FLIP", "")]
@@ -95,13 +95,14 @@ def add_table(page, results, chosen):
     for k in chosen:
         r = results[k]
         share = r["traced"] / r["entries"] if r["entries"] else None
-        cells = [(r["seconds"], ""), (r["seconds_least"], ""), (r["seconds_most"], ""), (r["shadow_rays"] / 1e6, ""),
+        cells = [(r["seconds"], ""), (r["seconds_least"], ""), (r["seconds_most"], ""), (r["cpu_seconds"], ""),
+                 (r["shadow_rays"] / 1e6, ""),
                  (share, "%"), (r["clusters_mean"] or None, ""), (r["method_bytes"] / 2**20 or None, ""),
                  (r["relative_rmse"], "%"), (r["relative_rmse_without_worst"], "%"), (r["relmse"], ""), (r["bias"], "%"),
                  (r["flip"], "")]
         rows.append([r["method"], r["knob"] or "–"] + [number(v, u) for v, u in cells])
         values.append([None] + [v for v, _ in cells])
-    better = [None, True, None, None, True, None, None, None, True, True, True, None, True]
+    better = [None, True, None, None, True, True, None, None, None, True, True, True, None, True]
     page.html(table(columns, rows, best_cells(values, better)))
 
 

@@ -58,6 +58,7 @@ TEST_F(BenchCommand, EveryMethodAtEveryBudgetIsHeldAgainstBruteForce) {
     EXPECT_EQ(whole["repeats"], 2);
     EXPECT_GT(half["relative_rmse"], whole["relative_rmse"]) << method;
     EXPECT_GE(whole["seconds_most"], whole["seconds_least"]);
+    EXPECT_GT(whole["cpu_seconds"], 0);
     EXPECT_TRUE(std::filesystem::exists(out + "/" + std::string(whole["picture"])));
   }
   // One slice, so no guess and no pilot: the same entries, all of them traced by one of the two.

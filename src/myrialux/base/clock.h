@@ -1,4 +1,4 @@
-// Wall time of stages and CPU time of the calling thread, in seconds.
+// Wall time of stages, CPU time of the calling thread and of the whole process, in seconds.
 #pragma once
 
 #include <ctime>
@@ -27,6 +27,7 @@ class BasicStopwatch {
   double start_ = read_clock(Id);
 };
 using Stopwatch = BasicStopwatch<CLOCK_MONOTONIC>;
-using ThreadStopwatch = BasicStopwatch<CLOCK_THREAD_CPUTIME_ID>;  ///< CPU time of this thread
+using ThreadStopwatch = BasicStopwatch<CLOCK_THREAD_CPUTIME_ID>;    ///< CPU time of this thread
+using ProcessStopwatch = BasicStopwatch<CLOCK_PROCESS_CPUTIME_ID>;  ///< CPU time of all threads together
 
 }  // namespace myrialux

@@ -74,10 +74,11 @@ FrameRun SharedFrame::run(const std::string& name, double budget, Progress& prog
   FrameRun run;
   const Receivers& receivers = state_->rows.receivers;
   Stopwatch wall;
+  ProcessStopwatch cpu;
   const MethodResult result =
       method.render({state_->world, receivers, state_->lights, state_->scene_radius, state_->params.spp}, params,
                     progress, run.stats);
-  run.seconds = wall.elapsed();
+  run.seconds = wall.elapsed(), run.cpu_seconds = cpu.elapsed();
 
   const auto spp = static_cast<std::size_t>(state_->params.spp);
   run.pixels.resize(state_->rows.samples.size() / spp);

@@ -22,6 +22,7 @@ struct FrameRun {
   std::vector<Rgb> pixels;  ///< light from virtual lights alone, box filter, row by row
   RenderStats stats;        ///< of the method: visibility, rays.shadow, clusters, times, slices
   double seconds = 0;       ///< wall time of the method: its own trees, cuts, rays, sums
+  double cpu_seconds = 0;   ///< CPU time of all threads meanwhile; other programs disturb it less
 };
 
 /// Emission seen directly, sampled direct light and residual rays are left out: they are the same for all methods.
