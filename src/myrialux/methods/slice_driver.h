@@ -14,6 +14,9 @@ using CompleteSlice = std::function<CompletionStats(EntrySource& source, Rng& rn
 /// One slice of this many is a slice of the pilot (see SliceMethod::guard), whose bits are kept through the frame.
 inline constexpr std::size_t kPilotStride = 64;
 
+/// Lights that brute-force joins with a slice at a time.
+inline constexpr std::uint32_t kBruteForceColumns = 1024;
+
 /// The frame once its rows and columns are grouped. Holds references.
 struct SliceFrame {
   const FrameView& frame;

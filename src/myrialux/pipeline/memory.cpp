@@ -146,7 +146,7 @@ std::vector<std::string> smaller_settings(const FrameExtent& f, Bytes room) {
     options.push_back(fmt::format("--spp {} --passes {}", g.spp, (f.passes * f.spp + g.spp - 1) / g.spp));
   g = f;
   while (g.n_clusters > 100 && !fits(g)) g.n_clusters /= 2;
-  if (f.has_slices && !f.has_point_tree && fits(g)) options.push_back(fmt::format("--clusters {}", g.n_clusters));
+  if (f.has_cuts && !f.has_point_tree && fits(g)) options.push_back(fmt::format("--clusters {}", g.n_clusters));
   g = f;
   while (g.n_lights > 1000 && !fits(g)) g = with_lights(g, g.n_lights / 2);
   if (f.has_lights && f.lights_file_bytes == 0 && fits(g)) options.push_back(fmt::format("--vpls {}", g.n_lights));

@@ -8,7 +8,8 @@ namespace myrialux {
 
 /// What the memory of a frame depends on. Bytes are those beside what is held before the frame begins.
 struct FrameExtent {
-  bool has_lights = true, has_slices = true;  ///< brute-force has no slices, path neither
+  bool has_lights = true, has_slices = true;  ///< path has neither
+  bool has_cuts = true;                       ///< --clusters says how many columns a slice has; brute-force takes all
   std::uint32_t completion_bytes = 0;         ///< working space of the completion for each entry of a slice
   bool has_point_tree = false;                ///< of all receivers; then slices are small blocks of them
   bool has_pilot = false;                     ///< some slices' bits are kept (SliceMethod::guard)

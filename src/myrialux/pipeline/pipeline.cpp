@@ -11,6 +11,7 @@
 #include "myrialux/base/parallel.h"
 #include "myrialux/base/process.h"
 #include "myrialux/kernels/isa.h"
+#include "myrialux/methods/slice_driver.h"
 #include "myrialux/pipeline/frame_state.h"
 #include "myrialux/pipeline/local_light.h"
 #include "myrialux/pipeline/memory.h"
@@ -154,7 +155,7 @@ LightParams light_params(const RenderParams& params, int pass) {
 MemoryGuard::MemoryGuard(const World& world, const Settings& settings) : limit_(settings.render.memory_limit) {
   const RenderParams& p = settings.render;
   FrameExtent& e = extent_;
-  e.has_lights = p.method != "path", e.has_slices = e.has_lights && p.method != "brute-force";
+  e.has_lights = e.has_slices = p.method != "path", e.has_cuts = e.has_lights && p.method != "brute-force";
   e.has_packets = p.method == "lightcuts";
   const MethodParams& m = settings.tuned.method;
   e.has_pilot = (p.method == "bamc" && m.bamc_guard > 0) || (p.method == "amc" && m.amc_guard > 0) ||
@@ -166,14 +167,14 @@ MemoryGuard::MemoryGuard(const World& world, const Settings& settings) : limit_(
   e.has_point_tree = p.method.starts_with("illumination-cut");
   e.width = p.width, e.height = p.height, e.passes = p.passes, e.n_threads = allowed_threads();
   e.spp = e.has_lights ? p.spp : std::min(p.spp * p.passes, kPathSamplesAtOnce);
-  e.n_clusters = p.n_clusters, e.slice_rows = settings.tuned.method.slices.max_rows;
+  e.n_clusters = e.has_cuts ? p.n_clusters : kBruteForceColumns, e.slice_rows = settings.tuned.method.slices.max_rows;
   if (p.method == "lightslice") {
     const LightSliceParams& own = settings.tuned.method.lightslice;
     e.slice_rows = lightslice_rows(std::uint64_t(p.width) * std::uint64_t(p.height) * std::uint64_t(p.spp),
                                    own.n_slices, settings.tuned.method.slices.block_rows);
     e.reduced_rows = own.n_slices, e.reduced_dimensions = own.n_dimensions;
   }
-  e.n_channels = FrameState::n_channels(p.aovs, e.has_slices);
+  e.n_channels = FrameState::n_channels(p.aovs, e.has_cuts);
   std::error_code none;
   if (e.has_lights && p.lights_file.empty()) {
     const LightForecast forecast = forecast_lights(world, light_params(p, 0));
