@@ -191,7 +191,7 @@ def hair_ball(detail):
     room.box((-3.5, 0, -3.5), (3.5, 4.4, 4.2))
     scene.mesh("left", (0.62, 0.25, 0.13)).quad((-3.49, 0, -3.5), (-3.49, 4.4, -3.5), (-3.49, 4.4, 4.2), (-3.49, 0, 4.2))
     scene.mesh("right", (0.15, 0.3, 0.55)).quad((3.49, 0, -3.5), (3.49, 0, 4.2), (3.49, 4.4, 4.2), (3.49, 4.4, -3.5))
-    segments, radius_m, center = 16, 1.6, (0, 2.0, 0)
+    segments, radius_m, center = 32, 1.6, (0, 2.0, 0)
     shares = (("hair-gold", (0.85, 0.66, 0.36)), ("hair-red", (0.75, 0.36, 0.2)), ("hair-white", (0.86, 0.82, 0.76)))
     rng = random.Random(565)
     hairs = round((TRIANGLES["hair-ball"] * detail - 22) / (6 * segments))
@@ -199,7 +199,7 @@ def hair_ball(detail):
         mesh = scene.mesh(name, color)
         for _ in range(part, hairs, len(shares)):
             points = [add(center, p, radius_m) for p in hair(rng, segments)]
-            width = 0.0035 + 0.0025 * rng.random()
+            width = 0.007 + 0.005 * rng.random()
             mesh.tube(points, [width * (1 - 0.6 * k / segments) for k in range(segments + 1)], 3)
     # Lamps near the camera's wall and behind the ball: they face ceiling, walls and floor.
     scene.lamp("lamp-top", (30, 27, 22), (-1.2, 3.95, 2.6), (-1.2, 3.95, 3.6), (1.2, 3.95, 3.6), (1.2, 3.95, 2.6))
