@@ -12,15 +12,15 @@ namespace {
 
 /// Share of the light along wo that a white lobe scatters: midpoint rule over the hemisphere of wi, in theta and phi.
 double scattered_share(const Bsdf& bsdf, Vec3 wo) {
-  constexpr int n_steps = 500;  // the narrowest lobe is 20 steps wide
+  constexpr int kSteps = 500;  // the narrowest lobe is 20 steps wide
   double sum = 0;
-  for (int i = 0; i < n_steps; ++i)
-    for (int j = 0; j < n_steps; ++j) {
-      const auto middle = [](int cell) { return (static_cast<float>(cell) + 0.5f) / n_steps; };
+  for (int i = 0; i < kSteps; ++i)
+    for (int j = 0; j < kSteps; ++j) {
+      const auto middle = [](int cell) { return (static_cast<float>(cell) + 0.5f) / kSteps; };
       const Vec3 wi = direction(90 * middle(i), 180 * middle(j));  // the other half is its mirror image
       sum += static_cast<double>(evaluate(bsdf, wi, wo, Lobes::all).g * std::sqrt(1 - wi.z * wi.z));
     }
-  return sum * static_cast<double>(kPi * kPi) / (n_steps * n_steps);
+  return sum * static_cast<double>(kPi * kPi) / (kSteps * kSteps);
 }
 
 Bsdf white_lobe(float exponent) {
