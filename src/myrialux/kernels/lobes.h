@@ -28,7 +28,7 @@ enum LobeField : std::size_t {
   kFieldN = 6,          ///< 3: normal
   kFieldO = 9,          ///< 3: fixed direction in that frame, z > 0
   kFieldBase = 12,      ///< 3: diffuse colour, with all factors that do not vary
-  kFieldGloss = 15,     ///< 3: specular colour * G1(o) / (4 cos o); Blinn-Phong: times its peak
+  kFieldGloss = 15,     ///< 3: specular colour * G1(o) / (4 cos o); Blinn-Phong: specular colour * peak
   kFieldPass = 18,      ///< 3: transmitted colour * G1(o) / cos o (times eta^2 for a light)
   kFieldEtaMetal = 21,  ///< 3
   kFieldKMetal = 24,    ///< 3
