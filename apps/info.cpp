@@ -25,6 +25,8 @@ const char* name_of(BsdfKind kind) {
       return "plastic";
     case BsdfKind::rough_plastic:
       return "roughplastic";
+    case BsdfKind::blinn_phong:
+      return "Blinn-Phong";
     case BsdfKind::dielectric:
       return "dielectric";
     case BsdfKind::thin_dielectric:

@@ -90,7 +90,7 @@ TEST_P(ClusterBound, IsNeverExceededAndNotTooLoose) {
   EXPECT_LT(quantile_95, GetParam().quantile_95);
 }
 
-/// 8 rooms, two trees each: a million pairs.
+/// 12 rooms, two trees each: a million and a half pairs.
 TEST_P(ClusterBound, IsNotExceededByAMillionPairs_Slow) {
   const Room room(GetParam().options);
   const LightTree trees[] = {build_light_tree(room.world(), room.lights, Room::kRadius, {}),
@@ -117,7 +117,24 @@ INSTANTIATE_TEST_SUITE_P(
         BoundsCase{"glossy_lights", {.n_lights = 5000, .kinds = {LightKind::glossy}, .shading_tilt = 0.1f}, 100, 5000},
         BoundsCase{"all_glossy", {.n_lights = 5000, .kinds = {LightKind::glossy}, .glossy = true}, 32, 2000},
         BoundsCase{
-            "glass", {.n_lights = 5000, .kinds = {LightKind::glossy}, .glossy = true, .glass = true}, 200, 40000}),
+            "glass", {.n_lights = 5000, .kinds = {LightKind::glossy}, .glossy = true, .glass = true}, 200, 40000},
+        BoundsCase{"blinn_phong_receivers",
+                   {.n_lights = 5000, .glossy = true, .blinn_phong = 1, .shading_tilt = 0.1f},
+                   6,
+                   250},
+        BoundsCase{"blinn_phong_lights",
+                   {.n_lights = 5000, .kinds = {LightKind::glossy}, .blinn_phong = 1, .shading_tilt = 0.1f},
+                   32,
+                   650},
+        BoundsCase{"all_blinn_phong",
+                   {.n_lights = 5000, .kinds = {LightKind::glossy}, .glossy = true, .blinn_phong = 1},
+                   35,
+                   800},
+        BoundsCase{
+            "mixed_gloss",
+            {.n_lights = 5000, .kinds = {LightKind::glossy}, .glossy = true, .blinn_phong = 0.4f, .shading_tilt = 0.2f},
+            100,
+            2200}),
     [](const auto& c) { return std::string(c.param.name); });
 
 TEST(LobeBounds, AreNotExceededByAnyDirection) {
@@ -127,9 +144,9 @@ TEST(LobeBounds, AreNotExceededByAnyDirection) {
     return Vec2{x, rng.next()};
   };
   for (const BsdfKind kind : {BsdfKind::diffuse, BsdfKind::plastic, BsdfKind::rough_plastic, BsdfKind::rough_conductor,
-                              BsdfKind::rough_dielectric})
+                              BsdfKind::blinn_phong, BsdfKind::rough_dielectric})
     for (const Microfacets distribution : {Microfacets::ggx, Microfacets::beckmann})
-      for (const float alpha : {0.11f, 0.3f, 0.8f, 1.3f}) {
+      for (const float alpha : {0.11f, 0.3f, 0.7f, 0.8f, 1.3f}) {
         Material material;
         material.kind = kind, material.distribution = distribution, material.nonlinear = alpha > 0.5f;
         const Bsdf bsdf = make_bsdf(
@@ -163,6 +180,7 @@ TEST(CutBounds, HaveTheSameBitsInAllInstructionSets) {
                    .kinds = {LightKind::oriented, LightKind::glossy, LightKind::point, LightKind::directional},
                    .glossy = true,
                    .glass = true,
+                   .blinn_phong = 0.2f,
                    .shading_tilt = 0.2f});
   const LightTree tree = build_light_tree(room.world(), room.lights, Room::kRadius, {});
   std::vector<CutCluster> clusters;

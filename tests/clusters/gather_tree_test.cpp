@@ -218,7 +218,21 @@ INSTANTIATE_TEST_SUITE_P(
         PairCase{"glass",
                  {.n_receivers = 1000, .n_lights = 5000, .kinds = {LightKind::glossy}, .glossy = true, .glass = true},
                  6000,
-                 4e7}),
+                 4e7},
+        PairCase{"blinn_phong_receivers",
+                 {.n_receivers = 1000, .n_lights = 5000, .glossy = true, .blinn_phong = 1, .shading_tilt = 0.1f},
+                 100,
+                 20000},
+        PairCase{
+            "all_blinn_phong",
+            {.n_receivers = 1000, .n_lights = 5000, .kinds = {LightKind::glossy}, .glossy = true, .blinn_phong = 1},
+            450,
+            4e5},
+        PairCase{
+            "mixed_gloss",
+            {.n_receivers = 1000, .n_lights = 5000, .kinds = {LightKind::glossy}, .glossy = true, .blinn_phong = 0.4f},
+            400,
+            2e5}),
     [](const auto& c) { return std::string(c.param.name); });
 
 }  // namespace

@@ -30,6 +30,7 @@ RoomOptions everything(std::size_t n_receivers) {
           .kinds = {LightKind::oriented, LightKind::glossy, LightKind::point, LightKind::directional},
           .glossy = true,
           .glass = true,
+          .blinn_phong = 0.2f,
           .shading_tilt = 0.2f};
 }
 
@@ -209,6 +210,14 @@ void check_all_rooms(int n_pairs) {
                     {.n_receivers = n, .n_lights = 5000, .kinds = {LightKind::directional}, .glossy = true}},
            PairCase{"glossy_receivers", {.n_receivers = n, .n_lights = 5000, .glossy = true, .shading_tilt = 0.1f}},
            PairCase{"all_glossy", {.n_receivers = n, .n_lights = 5000, .kinds = {LightKind::glossy}, .glossy = true}},
+           PairCase{"blinn_phong_receivers",
+                    {.n_receivers = n, .n_lights = 5000, .glossy = true, .blinn_phong = 1, .shading_tilt = 0.1f}},
+           PairCase{
+               "all_blinn_phong",
+               {.n_receivers = n, .n_lights = 5000, .kinds = {LightKind::glossy}, .glossy = true, .blinn_phong = 1}},
+           PairCase{
+               "mixed_gloss",
+               {.n_receivers = n, .n_lights = 5000, .kinds = {LightKind::glossy}, .glossy = true, .blinn_phong = 0.4f}},
            PairCase{"everything", everything(n)},
        })
     check_pairs(c, n_pairs);

@@ -42,6 +42,12 @@ Scene all_kinds() {
   coat.name = "";
   coat.kind = BsdfKind::plastic;
   b.sphere({0.3f, 0.2f, 0.3f}, 0.2f, b.add(coat));
+  Material gloss;
+  gloss.name = "gloss";
+  gloss.kind = BsdfKind::blinn_phong;
+  gloss.alpha = gloss.alpha_v = {gray(0.2f)};
+  gloss.specular = {gray(0.4f)};
+  b.sphere({-0.3f, 0.4f, 0.3f}, 0.2f, b.add(gloss));
   b.emitter("bulb", PointEmitter{{0.4f, 0.7f, 0}, gray(2)});
   b.emitter("spot",
             SpotEmitter{.to_world = Transform::look_at({0, 0.9f, 0.1f}, {0, 0, 0}, {1, 0, 0}), .intensity = gray(9)});

@@ -140,6 +140,8 @@ std::vector<Case> cases() {
   all.push_back({"RoughMetalFloor", test::glossy_floor_box(0.3f)});
   all.push_back({"NearMirrorFloor", test::glossy_floor_box(0.08f)});
   all.push_back({"VarnishedFloor", test::plastic_floor_box()});
+  all.push_back({"BlinnPhongFloor", test::blinn_phong_floor_box(30)});
+  all.push_back({"ShinyBlinnPhongFloor", test::blinn_phong_floor_box(1000)});
   all.push_back({"RoughGlassBall", rough_glass_ball()});
   all.push_back({"SmoothDiffuseBall", smooth_diffuse_ball()});
   all.push_back({"SmoothMetalBall", smooth_metal_ball()});

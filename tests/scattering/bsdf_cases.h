@@ -33,6 +33,8 @@ inline std::string name_of(BsdfKind kind) {
       return "plastic";
     case BsdfKind::rough_plastic:
       return "roughplastic";
+    case BsdfKind::blinn_phong:
+      return "blinnphong";
     case BsdfKind::dielectric:
       return "dielectric";
     case BsdfKind::thin_dielectric:
@@ -50,7 +52,8 @@ inline bool is_dielectric(BsdfKind kind) {
 }
 
 inline bool is_rough(BsdfKind kind) {
-  return kind == BsdfKind::rough_conductor || kind == BsdfKind::rough_plastic || kind == BsdfKind::rough_dielectric;
+  return kind == BsdfKind::rough_conductor || kind == BsdfKind::rough_plastic || kind == BsdfKind::rough_dielectric ||
+         kind == BsdfKind::blinn_phong;
 }
 
 /// Colours of make_mitsuba_values.py.
@@ -68,10 +71,17 @@ inline BsdfCase make_case(BsdfKind kind, Microfacets distribution, float alpha, 
   c.params.specular = {0.9f, 0.7f, 0.5f};
   c.params.reflectance = is_dielectric(kind) ? Rgb{0.8f, 0.9f, 0.6f} : Rgb{0.2f, 0.5f, 0.8f};
   c.name = name_of(kind);
-  if (is_rough(kind))
+  if (kind == BsdfKind::blinn_phong)
+    c.name += "_" + std::to_string(static_cast<int>(std::lround(alpha * 1000)));
+  else if (is_rough(kind))
     c.name += (distribution == Microfacets::ggx ? "_ggx_" : "_beckmann_") +
               std::to_string(static_cast<int>(std::lround(alpha * 100)));
   return c;
+}
+
+/// @param exponent Ns of an MTL file; diffuse and glossy parts of the colours above, scaled to reflect no more than 1
+inline BsdfCase blinn_phong(float exponent) {
+  return make_case(BsdfKind::blinn_phong, Microfacets::beckmann, std::sqrt(2 / (exponent + 2)));
 }
 
 /// Same, but nothing is absorbed where the model has a choice: white colours, a perfectly reflecting metal.
@@ -90,6 +100,7 @@ inline std::vector<BsdfCase> all_cases() {
   for (const BsdfKind kind : {BsdfKind::rough_conductor, BsdfKind::rough_plastic, BsdfKind::rough_dielectric})
     for (const Microfacets distribution : {Microfacets::beckmann, Microfacets::ggx})
       for (const float alpha : kAlphas) cases.push_back(make_case(kind, distribution, alpha));
+  for (const float exponent : {0.5f, 3.0f, 48.0f, 1000.0f}) cases.push_back(blinn_phong(exponent));
   return cases;
 }
 

@@ -21,7 +21,7 @@ struct Selection {
 /// Ways to ask that leave a density: the base and the gloss of a coat can be had together or each alone.
 std::vector<Selection> selections(BsdfKind kind) {
   if (kind == BsdfKind::plastic) return {{"wide", Lobes::wide, 0}};
-  if (kind != BsdfKind::rough_plastic) return {{"all", Lobes::all, 0}};
+  if (kind != BsdfKind::rough_plastic && kind != BsdfKind::blinn_phong) return {{"all", Lobes::all, 0}};
   return {{"all", Lobes::all, 0}, {"diffuse", Lobes::wide, 2}, {"gloss", Lobes::sharp, 2}};
 }
 

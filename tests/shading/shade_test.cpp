@@ -29,6 +29,7 @@ class Slice {
                                                              .kinds = std::move(kinds),
                                                              .glossy = glossy,
                                                              .glass = glossy,
+                                                             .blinn_phong = glossy ? 0.2f : 0,
                                                              .shading_tilt = tilt})),
         scene_(room_->world().scene),
         receivers(room_->receivers),

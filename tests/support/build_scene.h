@@ -185,6 +185,19 @@ inline Scene glossy_floor_box(float alpha) {
   return std::move(cornell_builder(options).scene);
 }
 
+/// The Cornell box on a floor of an MTL file's Kd, Ks, Ns. Ns above 198 is sharp by default, below it wide.
+inline Scene blinn_phong_floor_box(float exponent) {
+  Material floor;
+  floor.name = "floor";
+  floor.kind = BsdfKind::blinn_phong;
+  floor.alpha = floor.alpha_v = {gray(std::sqrt(2 / (exponent + 2)))};
+  floor.reflectance = {{0.3f, 0.2f, 0.1f}};
+  floor.specular = {{0.5f, 0.6f, 0.7f}};
+  CornellOptions options;
+  options.floor = &floor;
+  return std::move(cornell_builder(options).scene);
+}
+
 /// The Cornell box on a varnished floor: plastic has a sharp lobe (delta coat) and a wide one (diffuse base).
 inline Scene plastic_floor_box() {
   Material varnish;

@@ -17,6 +17,7 @@ struct RoomOptions {
   std::size_t n_receivers = 256, n_lights = 1000;
   std::vector<LightKind> kinds = {LightKind::oriented};  ///< lights take turns
   bool glossy = false, glass = false;                    ///< materials of receivers and glossy lights besides diffuse
+  float blinn_phong = 0;                                 ///< share of the glossy materials that are Blinn-Phong
   float shading_tilt = 0;                                ///< how far shading normals lean off geometric ones, as a sine
   std::uint64_t seed = 1;
 };
@@ -32,7 +33,7 @@ class Room {
     for (std::size_t j = 0; j < options.n_lights; ++j) add_light(options.kinds[j % options.kinds.size()]);
   }
   World world() const { return {.scene = scene_, .tracer = *tracer_, .emitters = *emitters_}; }
-  static constexpr MaterialId kGlass{6};  ///< of rough_dielectric
+  static constexpr MaterialId kGlass{6}, kBlinnPhong{7};
   static constexpr float kRadius = 2.3f;  ///< of a sphere around the room
 
   Receivers receivers;
@@ -65,6 +66,8 @@ class Room {
     b.add(m);
     m.kind = BsdfKind::rough_dielectric;
     b.add(m);
+    m.kind = BsdfKind::blinn_phong;
+    b.add(m);
     return std::move(b.scene);
   }
 
@@ -96,6 +99,7 @@ class Room {
     BsdfParams params;
     const std::uint32_t n = options_.glass ? 7 : 6;
     params.material = static_cast<MaterialId>(glossy ? 1 + rng_.below(n - 1) : 0);
+    if (glossy && options_.blinn_phong > 0 && rng_.next() < options_.blinn_phong) params.material = kBlinnPhong;
     constexpr float kAlphas[] = {0.11f, 0.15f, 0.2f, 0.3f, 0.5f, 0.8f};  // tables of rough plastic are made for each
     params.alpha = kAlphas[rng_.below(6)];
     params.reflectance = {rng_.next(), rng_.next(), rng_.next()};

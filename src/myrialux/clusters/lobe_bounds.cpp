@@ -1,8 +1,9 @@
 // Upper bounds of wide lobes for one fixed direction. Microfacet lobes: D of the smallest possible half-vector angle,
 // G1 of the fixed direction, the largest Fresnel reflectance; everything else 1. Distributions and shadowing after
-// [walter07].
+// [walter07]. Blinn-Phong: the lobe of that half vector, times 1 for the cosine.
 #include "myrialux/clusters/lobe_bounds.h"
 
+#include "myrialux/scattering/blinn_phong.h"
 #include "myrialux/scattering/fresnel.h"
 #include "myrialux/scattering/microfacet.h"
 #include "myrialux/scattering/rough_transmittance.h"
@@ -21,6 +22,15 @@ void set_shape(const Bsdf& bsdf, LobeBounds& bounds) {
     bounds.c1 = 1, bounds.c2 = 0.5f, bounds.c3 = 1.0f / 6;
     bounds.t_least = std::max(0.0f, 2 * alpha2 - 1);
   }
+}
+
+/// With N = n / 2 + 2 = 1 / alpha^2 + 1 the lobe is (1 + t)^2 / (1 + t)^N, and (1 + t)^N is at least its binomial
+/// series up to t^2 (N >= 2), up to t^3 for N >= 3.
+void set_blinn_phong_shape(const Bsdf& bsdf, LobeBounds& bounds) {
+  const float alpha2 = 2 / (bsdf.exponent + 2);
+  bounds.alpha = std::sqrt(alpha2);
+  bounds.c1 = 1 + alpha2, bounds.c2 = (1 + alpha2) / 2, bounds.c3 = alpha2 <= 0.5f ? (1 - alpha2 * alpha2) / 6 : 0;
+  bounds.microfacets = false;
 }
 
 /// Diffuse base of plastic: transmission of the fixed side, internal scattering; transmission of the other side is 1.
@@ -46,10 +56,16 @@ LobeBounds lobe_bounds(const Bsdf& bsdf, Vec3 fixed) {
   LobeBounds bounds;
   const bool rough_glass = bsdf.kind == BsdfKind::rough_dielectric;
   if (fixed.z == 0 || (fixed.z < 0 && !rough_glass)) return bounds;
-  if (bsdf.kind == BsdfKind::diffuse) bounds.diffuse = bsdf.reflectance * kInvPi;
+  const bool blinn_phong = bsdf.kind == BsdfKind::blinn_phong;
+  if (bsdf.kind == BsdfKind::diffuse || blinn_phong) bounds.diffuse = bsdf.reflectance * kInvPi;
   if (bsdf.kind == BsdfKind::plastic || bsdf.kind == BsdfKind::rough_plastic)
     bounds.diffuse = plastic_base(bsdf, fixed.z);
 
+  if (blinn_phong && !bsdf.sharp_gloss) {
+    set_blinn_phong_shape(bsdf, bounds);
+    bounds.gloss = bsdf.specular * blinn_phong_peak(bsdf.exponent);
+    return bounds;
+  }
   const bool gloss = bsdf.kind == BsdfKind::rough_conductor || bsdf.kind == BsdfKind::rough_plastic || rough_glass;
   if (!gloss || bsdf.sharp_gloss) return bounds;
   set_shape(bsdf, bounds);
@@ -69,12 +85,14 @@ LobeBounds lobe_bounds(const Bsdf& bsdf, Vec3 fixed) {
                                                 bounds.c1,
                                                 bounds.c2,
                                                 bounds.c3,
-                                                bounds.t_least});
+                                                bounds.t_least,
+                                                true});
   bounds.gloss = {};
   return bounds;
 }
 
 float geometric_cosine_factor(const LobeBounds& bounds, float sine) {
+  if (!bounds.microfacets) return 1;  // the cosine is left out, whichever it is
   // |w . ng| <= cos w + sine sin w, and sin w G1(w) / cos w <= 3.535 / alpha (Beckmann's fit; GGX: 2 / alpha).
   return 1 + sine * 3.535f / bounds.alpha;
 }

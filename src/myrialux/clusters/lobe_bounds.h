@@ -10,10 +10,11 @@ namespace myrialux {
 ///   t = tan^2(psi / 2), psi the angle between w and the mirror direction of v: the half vector leans from the normal
 ///   by at least psi / 2, and the distribution falls with that angle.
 ///   shape(t) = (1 + t)^2 / (1 + x (c1 + x (c2 + x c3))), x = t / alpha^2, t not below t_least
-/// Microfacet shadowing of the fixed side is part of `gloss`; that of the other side is 1.
+/// Microfacet shadowing of the fixed side is part of `gloss`; that of the other side is 1. So is Blinn-Phong's cosine.
 struct LobeBounds {
   Rgb diffuse, gloss, any;
   float alpha = 1, c1 = 1, c2 = 0.5f, c3 = 0, t_least = 0;
+  bool microfacets = true;  ///< gloss with shadowing, in which |cos w| is cancelled
 };
 
 LobeBounds lobe_bounds(const Bsdf& bsdf, Vec3 fixed);

@@ -48,6 +48,7 @@ class Builder {
   std::vector<std::uint32_t> subtrees_;  ///< roots, among the nodes that stand above them
 };
 
+void set_shape(const PointNode& node, PairReceivers& r);
 void draw_representatives(RandomKey key, PointTree& tree);
 
 }  // namespace
@@ -78,13 +79,28 @@ PairReceivers make_pair_receivers(const PointNode& node) {
   r.mirror = axis_frame(node.mirrors.axis);
   r.mirror_cos = node.mirrors.cos_angle, r.mirror_sin = sine(node.mirrors.cos_angle);
   r.inverse_alpha2 = 1 / (node.alpha * node.alpha);
-  const bool ggx = node.shape == GlossShape::ggx;
-  r.c1 = ggx ? 2.0f : 1.0f, r.c2 = ggx ? 1.0f : 0.5f;
-  r.c3 = node.shape == GlossShape::beckmann ? 1.0f / 6 : 0.0f;
+  set_shape(node, r);
   return r;
 }
 
 namespace {
+
+void set_shape(const PointNode& node, PairReceivers& r) {
+  const float a = node.alpha * node.alpha;
+  switch (node.shape) {
+    case GlossShape::ggx:
+      r.c1 = 2, r.c2 = 1, r.c3 = 0;
+      return;
+    case GlossShape::beckmann:
+      r.c1 = 1, r.c2 = 0.5f, r.c3 = 1.0f / 6;
+      return;
+    case GlossShape::blinn_phong:
+      r.c1 = 1 + a, r.c2 = (1 + a) / 2, r.c3 = (1 - a * a) / 6;
+      return;
+    case GlossShape::common:
+      r.c1 = 1, r.c2 = 0.5f, r.c3 = 0;
+  }
+}
 
 /// Every third bit of the result from the bits of x, which has at most 21.
 std::uint64_t spread_bits(std::uint64_t x) {
@@ -201,7 +217,7 @@ void Builder::make_leaf(PointNode& node) const {
   node.gloss = max_component(lobes.gloss);
   if (!(node.gloss > 0)) return;
   node.alpha = lobes.alpha;
-  node.shape = lobes.c1 == 2 ? GlossShape::ggx : GlossShape::beckmann;
+  node.shape = !lobes.microfacets ? GlossShape::blinn_phong : lobes.c1 == 2 ? GlossShape::ggx : GlossShape::beckmann;
   if (lobes.alpha > kLargestShapedAlpha) to_peak(node, lobes);
 }
 

@@ -13,9 +13,10 @@ namespace myrialux {
 
 /// How the gloss of a node's receivers falls off about the mirror direction: coefficients of shape(), lobe_bounds.h.
 enum class GlossShape : std::uint8_t {
-  ggx,       ///< 2, 1, 0
-  beckmann,  ///< 1, 1/2, 1/6
-  common,    ///< 1, 1/2, 0: above both
+  ggx,          ///< 2, 1, 0
+  beckmann,     ///< 1, 1/2, 1/6
+  blinn_phong,  ///< with a = alpha^2: 1 + a, (1 + a) / 2, (1 - a^2) / 6
+  common,       ///< 1, 1/2, 0: above all
 };
 
 /// 96 bytes.

@@ -34,6 +34,8 @@ HWY_INLINE void visit_class(LobeClass c, const Visitor& visitor) {
     case LobeKind::plastic:
       return c.ggx ? visitor.template visit<LobeKind::plastic, true>()
                    : visitor.template visit<LobeKind::plastic, false>();
+    case LobeKind::blinn_phong:
+      return visitor.template visit<LobeKind::blinn_phong, false>();
     case LobeKind::conductor:
       return c.ggx ? visitor.template visit<LobeKind::conductor, true>()
                    : visitor.template visit<LobeKind::conductor, false>();

@@ -1,6 +1,7 @@
 // Evaluates wide lobes, a vector of pairs at a time: f * |cos v| with everything of the fixed direction folded into the
 // fields. Included once for each instruction set. Formulas as in scattering/, which follows Mitsuba 3; GGX and
-// Beckmann after [walter07], written with an unnormalised half vector so that one division serves D and G1.
+// Beckmann after [walter07], Blinn-Phong after [blinn77], written with an unnormalised half vector so that one division
+// serves D and G1.
 #include "myrialux/kernels/lobes.h"
 #include "myrialux/kernels/targets.h"
 // Order matters: targets.h before Highway.
@@ -116,8 +117,14 @@ HWY_INLINE V3 evaluate_lobes(D d, const Fields& f, V3 w, V side, Mask& live) {
     return field3(d, f, kFieldBase) * hn::Mul(vz, through);
   }
   const V3 v = {dot(w, field3(d, f, kFieldS)), dot(w, field3(d, f, kFieldT)), vz}, o = field3(d, f, kFieldO);
-  const V alpha = f(d, kFieldAlpha);
   const V3 gloss = field3(d, f, kFieldGloss);
+  if constexpr (kKind == LobeKind::blinn_phong) {
+    const V3 h = o + v;
+    const V tan2 = hn::Div(hn::MulAdd(h.x, h.x, hn::Mul(h.y, h.y)), hn::Max(hn::Mul(h.z, h.z), hn::Set(d, 1e-30f)));
+    const V shine = hn::Exp(d, hn::Neg(hn::Mul(f(d, kFieldHalfExponent), hn::Log1p(d, tan2))));
+    return add_scaled(field3(d, f, kFieldBase), shine, gloss) * vz;
+  }
+  const V alpha = f(d, kFieldAlpha);
   if constexpr (kKind == LobeKind::dielectric) {
     // Above o's side the half vector reflects, below it refracts [walter07, eq. 16].
     live = hn::And(live, hn::Gt(hn::Mul(side, vz), zero));

@@ -13,13 +13,14 @@ namespace myrialux {
 /// What is evaluated, in the frame whose z is the normal on the side of the fixed direction o; v is the other one.
 /// All values are f * |cos v|. D, G1, F: distribution of microfacets, its shadowing, Fresnel reflectance.
 enum class LobeKind : std::uint8_t {
-  diffuse,     ///< base * cos v
-  coated,      ///< base * cos v * (1 - F(v)): diffuse under a smooth coat
-  plastic,     ///< base * cos v * transmittance(v) + gloss * D G1(v) F
-  conductor,   ///< gloss * D G1(v) * (metal's F)
-  dielectric,  ///< gloss * D G1(v) F above, pass * D G1(v) (1 - F) |o.h v.h| / |o + eta v|^2 below
+  diffuse,      ///< base * cos v
+  coated,       ///< base * cos v * (1 - F(v)): diffuse under a smooth coat
+  plastic,      ///< base * cos v * transmittance(v) + gloss * D G1(v) F
+  conductor,    ///< gloss * D G1(v) * (metal's F)
+  blinn_phong,  ///< (base + gloss cos^n(h)) cos v
+  dielectric,   ///< gloss * D G1(v) F above, pass * D G1(v) (1 - F) |o.h v.h| / |o + eta v|^2 below
 };
-inline constexpr std::size_t kLobeKinds = 5;
+inline constexpr std::size_t kLobeKinds = 6;
 
 enum LobeField : std::size_t {
   kFieldS = 0,          ///< 3: tangent, world
@@ -27,22 +28,23 @@ enum LobeField : std::size_t {
   kFieldN = 6,          ///< 3: normal
   kFieldO = 9,          ///< 3: fixed direction in that frame, z > 0
   kFieldBase = 12,      ///< 3: diffuse colour, with all factors that do not vary
-  kFieldGloss = 15,     ///< 3: specular colour * G1(o) / (4 cos o)
+  kFieldGloss = 15,     ///< 3: specular colour * G1(o) / (4 cos o); Blinn-Phong: specular colour * peak
   kFieldPass = 18,      ///< 3: transmitted colour * G1(o) / cos o (times eta^2 for a light)
   kFieldEtaMetal = 21,  ///< 3
   kFieldKMetal = 24,    ///< 3
   kFieldAlpha = 27,     ///< roughness
   kFieldEta = 28,       ///< index of the far side over that of o's side
   kFieldInverseEta = 29,
-  kFieldTable = 30,  ///< plastic: where its transmittances start in the array of tables, a whole number
-  kLobeFields = 31
+  kFieldTable = 30,         ///< plastic: where its transmittances start in the array of tables, a whole number
+  kFieldHalfExponent = 31,  ///< Blinn-Phong: n / 2
+  kLobeFields = 32
 };
 inline constexpr std::size_t kTableNodes = 64;  ///< transmittance at cosines k / 63, linear between
 
 /// Index of a set of lobes that one loop serves: kind and distribution.
 struct LobeClass {
   LobeKind kind = LobeKind::diffuse;
-  bool ggx = false;  ///< else Beckmann; no difference for diffuse and coated
+  bool ggx = false;  ///< else Beckmann; no difference for diffuse, coated and Blinn-Phong
   bool operator==(const LobeClass&) const = default;
 };
 inline constexpr std::size_t kLobeClasses = 2 * kLobeKinds;

@@ -10,6 +10,7 @@
 
 #include "myrialux/base/parallel.h"
 #include "myrialux/base/process.h"
+#include "myrialux/scattering/lobes.h"
 #include "myrialux/transport/walk.h"
 
 namespace myrialux {
@@ -205,7 +206,7 @@ void add_emission(const Scene& scene, const EmissionSample& e, VirtualLights& li
 void add_vertex(const Vertex& vertex, Rgb power, int bounce, VirtualLights& lights) {
   const SurfacePoint& s = vertex.surface;
   const Vec3 ng = dot(s.ng, vertex.n) < 0 ? -s.ng : s.ng;
-  if (vertex.bsdf.kind == BsdfKind::diffuse) {
+  if (is_wide_part_lambertian(vertex.bsdf)) {
     const Rgb intensity = power * vertex.bsdf.reflectance * kInvPi;
     if (!is_black(intensity))
       add_light(lights, LightKind::oriented, s.p, ng, ng, s.offset, intensity, bounce, kNoExtra);

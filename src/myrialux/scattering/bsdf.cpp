@@ -2,6 +2,7 @@
 #include "myrialux/scattering/bsdf.h"
 
 #include "myrialux/math/warp.h"
+#include "myrialux/scattering/blinn_phong.h"
 #include "myrialux/scattering/conductor.h"
 #include "myrialux/scattering/dielectric.h"
 #include "myrialux/scattering/fresnel.h"
@@ -13,7 +14,7 @@ namespace myrialux {
 namespace {
 
 /// The models, several kinds each.
-enum class Model : std::uint8_t { diffuse, conductor, plastic, dielectric };
+enum class Model : std::uint8_t { diffuse, conductor, plastic, blinn_phong, dielectric };
 Model model_of(BsdfKind kind);
 
 Rgb clamp01(Rgb c) { return {std::clamp(c.r, 0.0f, 1.0f), std::clamp(c.g, 0.0f, 1.0f), std::clamp(c.b, 0.0f, 1.0f)}; }
@@ -42,6 +43,10 @@ Bsdf make_bsdf(const Material& material, const BsdfParams& params, float sharp_a
       bsdf.reflectance = params.reflectance;
       prepare_plastic(bsdf);
       break;
+    case Model::blinn_phong:
+      bsdf.reflectance = params.reflectance;
+      prepare_blinn_phong(bsdf);
+      break;
     case Model::dielectric:
       bsdf.transmittance = params.reflectance;  // see BsdfParams
       break;
@@ -66,6 +71,8 @@ Rgb evaluate(const Bsdf& bsdf, Vec3 wi, Vec3 wo, Lobes lobes) {
       return evaluate_conductor(bsdf, wi, wo);
     case Model::plastic:
       return evaluate_plastic(bsdf, wi, wo, chosen);
+    case Model::blinn_phong:
+      return evaluate_blinn_phong(bsdf, wi, wo, chosen);
     case Model::dielectric:
       return evaluate_dielectric(bsdf, wi, wo);
   }
@@ -82,6 +89,8 @@ float pdf_omega(const Bsdf& bsdf, Vec3 wi, Vec3 wo, Lobes lobes) {
       return conductor_pdf_omega(bsdf, wi, wo);
     case Model::plastic:
       return plastic_pdf_omega(bsdf, wi, wo, chosen);
+    case Model::blinn_phong:
+      return blinn_phong_pdf_omega(bsdf, wi, wo, chosen);
     case Model::dielectric:
       return dielectric_pdf_omega(bsdf, wi, wo);
   }
@@ -104,6 +113,8 @@ BsdfSample sample(const Bsdf& bsdf, Vec3 wo, float u_lobe, Vec2 u, Lobes lobes, 
       return sample_conductor(bsdf, wo, u);
     case Model::plastic:
       return sample_plastic(bsdf, wo, u_lobe, u, chosen);
+    case Model::blinn_phong:
+      return sample_blinn_phong(bsdf, wo, u_lobe, u, chosen);
     case Model::dielectric:
       return sample_dielectric(bsdf, wo, u_lobe, u, mode);
   }
@@ -113,9 +124,11 @@ BsdfSample sample(const Bsdf& bsdf, Vec3 wo, float u_lobe, Vec2 u, Lobes lobes, 
 float sharp_probability(const Bsdf& bsdf, Vec3 wo) {
   const bool sharp = has_lobes(bsdf, Lobes::sharp), wide = has_lobes(bsdf, Lobes::wide);
   if (!sharp || !wide) return sharp ? 1 : 0;
-  // Both kinds exist only in coats over diffuse bases. Bounds keep both choices possible at grazing and black ends.
+  // Both kinds exist only in gloss over diffuse bases. Bounds keep both choices possible at grazing and black ends.
   constexpr float kLeast = 1e-3f;
-  return std::clamp(coat_probability(bsdf, std::clamp(wo.z, 0.0f, 1.0f)), kLeast, 1 - kLeast);
+  const float gloss =
+      bsdf.kind == BsdfKind::blinn_phong ? bsdf.specular_weight : coat_probability(bsdf, std::clamp(wo.z, 0.0f, 1.0f));
+  return std::clamp(gloss, kLeast, 1 - kLeast);
 }
 
 Rgb albedo(const Bsdf& bsdf) {
@@ -123,6 +136,8 @@ Rgb albedo(const Bsdf& bsdf) {
     case Model::diffuse:
     case Model::plastic:
       return clamp01(bsdf.reflectance);
+    case Model::blinn_phong:
+      return clamp01(bsdf.reflectance + bsdf.specular);
     case Model::conductor:
       return clamp01(bsdf.specular * fresnel_conductor(1, bsdf.eta_metal, bsdf.k_metal));
     case Model::dielectric: {
@@ -146,6 +161,8 @@ Model model_of(BsdfKind kind) {
     case BsdfKind::plastic:
     case BsdfKind::rough_plastic:
       return Model::plastic;
+    case BsdfKind::blinn_phong:
+      return Model::blinn_phong;
     case BsdfKind::dielectric:
     case BsdfKind::thin_dielectric:
     case BsdfKind::rough_dielectric:

@@ -1,5 +1,6 @@
 // BSDFs with resolved parameters, in the local frame of the shading normal (z up, wi and wo leave the surface).
 // Formulas follow Mitsuba 3's plugins of the same names, so that pictures can be compared; tests compare with it.
+// Blinn-Phong is that of MTL files.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +34,8 @@ struct Bsdf {
   bool sharp_gloss = false;                         ///< the glossy lobe is delta or alpha < sharp_alpha
   float alpha = 0, eta = 1;                         ///< eta: interior / exterior
   float inverse_eta_squared = 1, fdr_internal = 0;  ///< plastic: diffuse Fresnel reflectance from inside
-  float specular_weight = 0;                 ///< probability of sampling the glossy lobe before Fresnel (plastic)
+  float exponent = 0;                               ///< Blinn-Phong; from alpha
+  float specular_weight = 0;                 ///< probability of sampling the glossy lobe (plastic: before Fresnel)
   const float* transmittance_row = nullptr;  ///< rough plastic: see rough_transmittance.h; lives with the program
   float transmittance_mix = 0;
   Rgb reflectance, specular, transmittance, eta_metal, k_metal;

@@ -5,7 +5,7 @@
 
 namespace myrialux {
 
-/// The parts that take part: the diffuse base, and the coat, mirror, metal or glass ("gloss").
+/// The parts that take part: the diffuse base, and the coat, lobe, mirror, metal or glass ("gloss").
 struct ChosenLobes {
   bool diffuse = false, gloss = false;
   bool any() const { return diffuse || gloss; }
@@ -16,7 +16,8 @@ inline bool asks_for(Lobes asked, Lobes part) {
 }
 
 inline bool has_diffuse(BsdfKind kind) {
-  return kind == BsdfKind::diffuse || kind == BsdfKind::plastic || kind == BsdfKind::rough_plastic;
+  return kind == BsdfKind::diffuse || kind == BsdfKind::plastic || kind == BsdfKind::rough_plastic ||
+         kind == BsdfKind::blinn_phong;
 }
 
 /// The glossy part, if any, scatters into single directions.
@@ -28,6 +29,11 @@ inline bool is_delta_kind(BsdfKind kind) {
 inline ChosenLobes choose_lobes(const Bsdf& bsdf, Lobes asked) {
   return {has_diffuse(bsdf.kind) && asks_for(asked, Lobes::wide),
           bsdf.kind != BsdfKind::diffuse && asks_for(asked, bsdf.sharp_gloss ? Lobes::sharp : Lobes::wide)};
+}
+
+/// The wide lobes are a diffuse base and nothing else, alike in all directions.
+inline bool is_wide_part_lambertian(const Bsdf& bsdf) {
+  return bsdf.kind == BsdfKind::diffuse || (bsdf.kind == BsdfKind::blinn_phong && bsdf.sharp_gloss);
 }
 
 inline Vec3 reflect(Vec3 w) { return {-w.x, -w.y, w.z}; }

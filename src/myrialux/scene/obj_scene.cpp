@@ -20,8 +20,9 @@ namespace {
 struct MtlMaterial {
   Material material;
   Rgb emission;
-  Rgb specular;
-  float exponent = 0;  ///< Ns
+  Rgb specular;              ///< Ks
+  TextPosition specular_at;  ///< of Ks
+  float exponent = 0;        ///< Ns
 };
 
 class MtlReader {
@@ -41,7 +42,7 @@ class MtlReader {
   MtlMaterial* current_ = nullptr;
 };
 
-void finish(MtlMaterial& m);
+void finish(MtlMaterial& m, Diagnostics& found);
 Camera framing_camera(const Box3& box, const FilmDescription& film);
 
 }  // namespace
@@ -69,7 +70,7 @@ void read_obj_scene(const std::string& path, Scene& scene, AssetJobs& assets, st
     if (known == mtl.materials.end() && !part.material.empty() && !found.has(Severity::error))
       found.warning(part.at, "material \"" + part.material + "\" is in no mtllib: rendered as grey");
     MtlMaterial m = known == mtl.materials.end() ? MtlMaterial{} : known->second;
-    finish(m);
+    finish(m, found);
     m.material.name = part.material.empty() ? "default" : part.material;
     if (m.material.at.file.empty()) m.material.at = part.at;
     for (const Vec3& p : part.mesh.positions) box.add(p);
@@ -164,7 +165,7 @@ void MtlReader::read_line(std::string_view line, const TextPosition& at, const s
   if (key == "Kd") {
     if (const auto c = read_rgb(rest, at, 1)) m.reflectance.value = *c;
   } else if (key == "Ks") {
-    if (const auto c = read_rgb(rest, at, 1e3)) current_->specular = *c;
+    if (const auto c = read_rgb(rest, at, 1e3)) current_->specular = *c, current_->specular_at = at;
   } else if (key == "Ke") {
     if (const auto c = read_rgb(rest, at, 1e30)) current_->emission = *c;
   } else if (key == "Ns") {
@@ -180,16 +181,27 @@ void MtlReader::read_line(std::string_view line, const TextPosition& at, const s
   }  // Ka, Ni, illum, Tf, bump maps: no part of this model
 }
 
-/// Phong's exponent becomes Beckmann's roughness with the same fall-off, alpha = sqrt(2 / (Ns + 2)) [walter07].
-void finish(MtlMaterial& m) {
-  m.material.two_sided = true;
-  if (m.material.reflectance.texture != kNone<TextureId> && is_black(m.material.reflectance.value))
-    m.material.reflectance.value = gray(1);  // exporters write Kd 0 beside a map
+/// Kd, Ks, Ns shade as Lambert and Blinn-Phong; without Ks or Ns as Lambert alone.
+void finish(MtlMaterial& m, Diagnostics& found) {
+  Material& material = m.material;
+  material.two_sided = true;
+  const bool has_map = material.reflectance.texture != kNone<TextureId>;
+  if (has_map && is_black(material.reflectance.value))
+    material.reflectance.value = gray(1);  // exporters write Kd 0 beside a map
   if (max_component(m.specular) <= 0 || m.exponent <= 0) return;
-  m.material.kind = BsdfKind::rough_plastic;
-  m.material.specular.value = m.specular;
-  m.material.eta = 1.5f;
-  m.material.alpha = m.material.alpha_v = {gray(std::sqrt(2 / (m.exponent + 2)))};
+  material.kind = BsdfKind::blinn_phong;
+  material.specular.value = m.specular;
+  material.alpha = material.alpha_v = {gray(std::sqrt(2 / (m.exponent + 2)))};
+
+  const float most = max_component(material.reflectance.value + m.specular);
+  if (most <= 1 + 1e-5f) return;  // sums of rounded decimals pass 1 by a little
+  if (has_map)
+    return found.warning(m.specular_at, fmt::format("Kd and Ks together reflect up to {} where map_Kd is white; points "
+                                                    "that reflect more than 1 are scaled down to 1",
+                                                    show(most)));
+  found.warning(m.specular_at, fmt::format("Kd and Ks together reflect {}: both are divided by it", show(most)));
+  material.reflectance.value = material.reflectance.value / gray(most);
+  material.specular.value = material.specular.value / gray(most);
 }
 
 /// From the front, right and above (+y is up), so far away that the sphere around the box fills the smaller angle.

@@ -64,6 +64,7 @@ enum class BsdfKind : std::uint8_t {
   rough_conductor,
   plastic,
   rough_plastic,
+  blinn_phong,
   dielectric,
   thin_dielectric,
   rough_dielectric,
@@ -80,7 +81,7 @@ struct Material {
   bool nonlinear = false;                    ///< plastic: colour shifts from internal scattering
   bool two_sided = false;                    ///< the back behaves as `back` says (by default like the front)
   MaterialId back = kNone<MaterialId>;       ///< other material for the back of a two-sided surface
-  ColorSlot reflectance{gray(0.5f)};         ///< diffuse part: diffuse, plastic
+  ColorSlot reflectance{gray(0.5f)};         ///< diffuse part: diffuse, plastic, Blinn-Phong
   ColorSlot specular{gray(1)};               ///< factor on reflection
   ColorSlot transmittance{gray(1)};          ///< factor on refraction
   ColorSlot alpha{gray(0.1f)};               ///< roughness along the tangent (x) = .r, all channels equal

@@ -1,6 +1,7 @@
 // Multiplies out what a fixed direction contributes to a BSDF: the scalar half of kernels/lobes-inl.h.
 #include "myrialux/shading/fixed_lobes.h"
 
+#include "myrialux/scattering/blinn_phong.h"
 #include "myrialux/scattering/fresnel.h"
 #include "myrialux/scattering/lobes.h"
 #include "myrialux/scattering/microfacet.h"
@@ -14,7 +15,7 @@ using Fields = std::array<float, kLobeFields>;
 void put(Vec3 v, std::size_t k, Fields& f) { f[k] = v.x, f[k + 1] = v.y, f[k + 2] = v.z; }
 void put(Rgb c, std::size_t k, Fields& f) { f[k] = c.r, f[k + 1] = c.g, f[k + 2] = c.b; }
 
-LobeKind lobe_kind(BsdfKind kind);
+LobeKind lobe_kind(const Bsdf& bsdf);
 
 /// Diffuse colour of plastic below its coat: what is reflected inside comes back, again and again.
 Rgb plastic_base(const Bsdf& bsdf) {
@@ -48,7 +49,7 @@ FixedLobes fix_lobes(const Bsdf& bsdf, Vec3 n, Vec3 fixed, FixedEnd end, CoatTab
   if (!(o.z > 0)) return out;
   out.any = true;
 
-  out.lobes.lobe_class = {lobe_kind(bsdf.kind), bsdf.distribution == Microfacets::ggx};
+  out.lobes.lobe_class = {lobe_kind(bsdf), bsdf.distribution == Microfacets::ggx};
   Fields& f = out.lobes.field;
   const float eta = out.mirrored ? 1 / bsdf.eta : bsdf.eta;
   put(frame.s, kFieldS, f), put(frame.t, kFieldT, f), put(frame.n, kFieldN, f), put(o, kFieldO, f);
@@ -56,7 +57,8 @@ FixedLobes fix_lobes(const Bsdf& bsdf, Vec3 n, Vec3 fixed, FixedEnd end, CoatTab
   f[kFieldAlpha] = bsdf.alpha > 0 ? bsdf.alpha : 1;  // 0: no gloss is evaluated
   f[kFieldEta] = eta, f[kFieldInverseEta] = 1 / eta;
 
-  if (bsdf.kind == BsdfKind::diffuse) put(bsdf.reflectance * kInvPi, kFieldBase, f);
+  if (bsdf.kind == BsdfKind::diffuse || bsdf.kind == BsdfKind::blinn_phong)
+    put(bsdf.reflectance * kInvPi, kFieldBase, f);
   if (bsdf.kind == BsdfKind::plastic) {
     const float through = 1 - fresnel_dielectric(o.z, bsdf.eta).reflectance;
     put(plastic_base(bsdf) * through, kFieldBase, f);
@@ -66,7 +68,10 @@ FixedLobes fix_lobes(const Bsdf& bsdf, Vec3 n, Vec3 fixed, FixedEnd end, CoatTab
     put(plastic_base(bsdf) * through, kFieldBase, f);
     f[kFieldTable] = static_cast<float>(tables.add(bsdf.transmittance_row, bsdf.transmittance_mix));
   }
-  if (chosen.gloss) {
+  if (chosen.gloss && bsdf.kind == BsdfKind::blinn_phong) {
+    put(bsdf.specular * blinn_phong_peak(bsdf.exponent), kFieldGloss, f);
+    f[kFieldHalfExponent] = 0.5f * bsdf.exponent;
+  } else if (chosen.gloss) {
     const float shadowing = smith_g1(bsdf.distribution, bsdf.alpha, o, {0, 0, 1});
     put(bsdf.specular * (shadowing / (4 * o.z)), kFieldGloss, f);
     // Radiance is squeezed by 1 / eta^2 on its way to the viewer; light walks carry power, which is not.
@@ -78,12 +83,14 @@ FixedLobes fix_lobes(const Bsdf& bsdf, Vec3 n, Vec3 fixed, FixedEnd end, CoatTab
 
 namespace {
 
-LobeKind lobe_kind(BsdfKind kind) {
-  switch (kind) {
+LobeKind lobe_kind(const Bsdf& bsdf) {
+  switch (bsdf.kind) {
     case BsdfKind::plastic:
       return LobeKind::coated;
     case BsdfKind::rough_plastic:
       return LobeKind::plastic;
+    case BsdfKind::blinn_phong:
+      return is_wide_part_lambertian(bsdf) ? LobeKind::diffuse : LobeKind::blinn_phong;
     case BsdfKind::rough_conductor:
       return LobeKind::conductor;
     case BsdfKind::rough_dielectric:

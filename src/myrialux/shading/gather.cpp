@@ -113,6 +113,11 @@ bool add_glossy(const World& world, const VirtualLights::Glossy& glossy, General
   return true;
 }
 
+Rgb diffuse_base(const LightLobes& lobes) {
+  const float* base = lobes.field.data() + kFieldBase;
+  return {base[0], base[1], base[2]};
+}
+
 void add_general(const GeneralLight& light, std::size_t column, GatheredColumns& gathered) {
   gathered.general.push_back(light);
   gathered.column.push_back(static_cast<std::uint32_t>(column));
@@ -141,7 +146,7 @@ void gather_row(const World& world, const Receivers& receivers, std::size_t i, s
   gathered.lobes.rows[lobe_class_index(fixed.lobes.lobe_class)] |= bit;
   if (fixed.lobes.lobe_class.kind == LobeKind::diffuse) {
     gathered.diffuse |= bit;
-    gathered.albedo[k] = params.reflectance * kInvPi;
+    gathered.albedo[k] = diffuse_base(fixed.lobes);
   } else {
     gathered.others |= bit;
   }
