@@ -174,6 +174,26 @@ const Broken kCameras[] = {
 };
 INSTANTIATE_TEST_SUITE_P(All, BrokenCamera, testing::ValuesIn(kCameras), [](const auto& p) { return p.param.name; });
 
+class BrokenLens : public testing::TestWithParam<Broken> {};
+
+TEST_P(BrokenLens, IsRefusedWithPlaceAndRemedy) {
+  const TemporaryFolder folder;
+  const std::string text = std::string("<scene version=\"0.6.0\">") + test::kLight + "<sensor type=\"thinlens\">\n" +
+                           GetParam().scene + "</sensor></scene>";
+  EXPECT_EQ(complaint(folder, folder.write("s.xml", text)), GetParam().message);
+}
+
+const Broken kLenses[] = {
+    {"NoAperture", "", "s.xml:1:50: sensor \"thinlens\" needs an aperture_radius, 0 and above (scene units)"},
+    {"NegativeAperture", "<float name=\"apertureRadius\" value=\"-0.1\"/>",
+     "s.xml:2:1: \"apertureRadius\" is -0.1; allowed: 0 and above"},
+    {"ApertureOfWords", "<string name=\"apertureRadius\" value=\"wide\"/>",
+     "s.xml:2:1: \"apertureRadius\" is a <string>; allowed: <float>"},
+    {"NoFocus", "<float name=\"apertureRadius\" value=\"1\"/>\n <float name=\"focusDistance\" value=\"0\"/>",
+     "s.xml:3:2: \"focusDistance\" is 0; allowed: greater than 0"},
+};
+INSTANTIATE_TEST_SUITE_P(All, BrokenLens, testing::ValuesIn(kLenses), [](const auto& p) { return p.param.name; });
+
 TEST(BrokenInput, WhatIsMissingAltogetherIsToldAtTheScene) {
   const TemporaryFolder folder;
   EXPECT_EQ(complaint(folder, folder.write("s.xml", "\n<scene version=\"3.0.0\"/>")),

@@ -203,6 +203,29 @@ TEST(Mitsuba, CameraFilmFilterSamplerAndIntegratorAreRead) {
   EXPECT_EQ(scene.camera.to_world.point({0, 0, 0}), (Vec3{1, 2, 3}));
 }
 
+TEST(Mitsuba, LensesOfBothDialectsAreReadAndFocusAtTheFarPlaneIfNotTold) {
+  const auto lens = [](const std::string& version, const std::string& parameters) {
+    const TemporaryFolder folder;
+    const Scene scene = load_text(folder, "<scene version=\"" + version + "\"><sensor type=\"thinlens\">" + parameters +
+                                              "</sensor>" + test::kLight + "</scene>");
+    EXPECT_THAT(messages(scene), IsEmpty());
+    return scene.camera;
+  };
+  const Camera old_one = lens("0.6.0",
+                              "<float name=\"apertureRadius\" value=\"0.25\"/><float name=\"focusDistance\" "
+                              "value=\"3\"/>"),
+               new_one = lens("3.0.0",
+                              "<float name=\"aperture_radius\" value=\"0.25\"/><float name=\"focus_distance\" "
+                              "value=\"3\"/>");
+  for (const Camera& camera : {old_one, new_one}) {
+    EXPECT_EQ(camera.aperture_radius, 0.25f);
+    EXPECT_EQ(camera.focus_distance, 3);
+  }
+  const Camera far_away =
+      lens("3.0.0", "<float name=\"aperture_radius\" value=\"1\"/><float name=\"far_clip\" value=\"50\"/>");
+  EXPECT_EQ(far_away.focus_distance, 50);
+}
+
 TEST(Mitsuba, EmittersAreReadWithTheirParameters) {
   const TemporaryFolder folder;
   const Scene scene = load_text(folder, std::string("<scene version=\"3.0.0\">") + test::kCamera + R"(

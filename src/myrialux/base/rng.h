@@ -23,7 +23,8 @@ enum class Stage : std::uint8_t {
   path,
   film,
   gather_tree,
-  point_tree
+  point_tree,
+  lens
 };
 
 /// Names all streams of one pass of a render.

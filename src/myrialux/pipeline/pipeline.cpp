@@ -322,6 +322,10 @@ Metadata describe(const Scene& scene, const Settings& settings, const RenderStat
       fmt::format("{} {}", kFilters[static_cast<std::size_t>(settings.filter.kind)], settings.filter.radius);
   m["myrialux.camera_to_world"] = fmt::format("{}", fmt::join(scene.camera.to_world.rows(), " "));
   m["myrialux.fov_x_deg"] = fmt::format("{}", scene.camera.fov_x_deg);
+  if (scene.camera.aperture_radius > 0) {
+    m["myrialux.aperture_radius"] = fmt::format("{}", scene.camera.aperture_radius);
+    m["myrialux.focus_distance"] = fmt::format("{}", scene.camera.focus_distance);
+  }
   if (p.method != "path") {
     m["myrialux.vpls"] = std::to_string(p.n_lights);
     m["myrialux.clusters"] = std::to_string(p.n_clusters);

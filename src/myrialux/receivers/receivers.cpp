@@ -21,10 +21,11 @@ struct RowOfSamples {
   PathCounters rays;
   std::uint64_t inside_walls = 0;
 };
-std::optional<Reached> follow_sharp(const World& world, Ray ray, Rng& rng, std::size_t sample, CameraSamples& samples,
-                                    RowOfSamples& row);
+/// @param lens where the path begins; `ray` may begin further on
+std::optional<Reached> follow_sharp(const World& world, Vec3 lens, Ray ray, Rng& rng, std::size_t sample,
+                                    CameraSamples& samples, RowOfSamples& row);
 void put(Receivers& to, std::size_t i, const Reached& reached, std::size_t sample);
-void record_first_hit(const Camera& camera, CameraSamples& samples, std::size_t sample, const Vertex& vertex);
+void record_first_hit(Vec3 lens, CameraSamples& samples, std::size_t sample, const Vertex& vertex);
 /// Moves the receivers of all rows together; row y's begin at y * samples_a_row.
 void close_gaps(Receivers& receivers, const std::vector<RowOfSamples>& rows, std::size_t samples_a_row);
 
@@ -45,15 +46,17 @@ ReceiverResult trace_receivers(const World& world, const ReceiverParams& params,
   // A row of pixels is a work item with room for a receiver a sample; then the rows are moved together in order, so
   // that threads do not show.
   progress.stage("receivers", n, "samples");
+  const Camera& camera = world.scene.camera;
   std::vector<RowOfSamples> rows(height);
   result.receivers.resize(n);
   parallel_for(height, [&](std::size_t y) {
     for (std::size_t sample = y * width * spp; sample < (y + 1) * width * spp; ++sample) {
-      samples.position[sample] =
-          film_position(params.width, sample / spp, static_cast<int>(sample % spp), params.spp, params.key);
-      const Ray ray = camera_ray(world.scene.camera, params.width, params.height, samples.position[sample]);
+      const CameraSample drawn =
+          camera_sample(camera, params.width, sample / spp, static_cast<int>(sample % spp), params.spp, params.key);
+      samples.position[sample] = drawn.film;
+      const Ray ray = camera_ray(camera, params.width, params.height, drawn);
       Rng rng(params.key, Stage::receiver, sample);
-      if (const auto reached = follow_sharp(world, ray, rng, sample, samples, rows[y]))
+      if (const auto reached = follow_sharp(world, lens_point(camera, drawn), ray, rng, sample, samples, rows[y]))
         put(result.receivers, y * width * spp + rows[y].n_receivers++, *reached, sample);
     }
     progress.advance(width * spp);
@@ -99,8 +102,8 @@ void Receivers::resize(std::size_t count) {
 
 namespace {
 
-std::optional<Reached> follow_sharp(const World& world, Ray ray, Rng& rng, std::size_t sample, CameraSamples& samples,
-                                    RowOfSamples& row) {
+std::optional<Reached> follow_sharp(const World& world, Vec3 lens, Ray ray, Rng& rng, std::size_t sample,
+                                    CameraSamples& samples, RowOfSamples& row) {
   CameraWalk walk;
   while (within_depth(world, walk.depth + 1)) {
     const auto hit = next_surface(world, ray, walk.depth, row.rays, [&](const SurfacePoint* met) {
@@ -110,7 +113,7 @@ std::optional<Reached> follow_sharp(const World& world, Ray ray, Rng& rng, std::
     const Vertex vertex = make_vertex(world, *hit, -ray.direction);
     const bool black_back = is_black_back(vertex);
     if (walk.depth++ == 0) {
-      record_first_hit(world.scene.camera, samples, sample, vertex);
+      record_first_hit(lens, samples, sample, vertex);
       row.inside_walls += black_back;
     }
     if (black_back || !within_depth(world, walk.depth + 1)) break;
@@ -144,10 +147,10 @@ void put(Receivers& to, std::size_t i, const Reached& reached, std::size_t sampl
   to.inside[i] = inside;
 }
 
-void record_first_hit(const Camera& camera, CameraSamples& samples, std::size_t sample, const Vertex& vertex) {
+void record_first_hit(Vec3 lens, CameraSamples& samples, std::size_t sample, const Vertex& vertex) {
   samples.albedo[sample] = albedo(vertex.bsdf);
   samples.normal[sample] = vertex.n;
-  samples.depth[sample] = length(vertex.surface.p - camera.to_world.point({}));
+  samples.depth[sample] = length(vertex.surface.p - lens);
 }
 
 void close_gaps(Receivers& receivers, const std::vector<RowOfSamples>& rows, std::size_t samples_a_row) {

@@ -75,8 +75,22 @@ ReceiverResult trace_receivers(const World& world, const ReceiverParams& params,
 /// last.
 Vec2 film_position(int width, std::uint64_t pixel, int k, int spp, RandomKey key);
 
-/// Ray through film position (pixels); direction unit; from the near to the far plane of the camera.
-Ray camera_ray(const Camera& camera, int width, int height, Vec2 position);
+/// What one camera sample draws.
+struct CameraSample {
+  Vec2 film;    ///< pixels from the top left
+  Vec2 lens{};  ///< on the unit disc; the centre for pinholes
+};
+
+/// Sample k of a pixel: film as above; the lens jittered in a grid of as many cells, which a random permutation of the
+/// pixel's pairs with those of the film.
+CameraSample camera_sample(const Camera& camera, int width, std::uint64_t pixel, int k, int spp, RandomKey key);
+
+/// Where on the lens the sample's path begins, world space.
+Vec3 lens_point(const Camera& camera, const CameraSample& sample);
+
+/// Ray from there to the point of the focus plane that the film position shows; direction unit; from the near to the
+/// far plane of the camera.
+Ray camera_ray(const Camera& camera, int width, int height, const CameraSample& sample);
 
 /// The receiver as a path vertex again (BSDF rebuilt), for next-event and residual estimates.
 Vertex receiver_vertex(const World& world, const Receivers& receivers, std::size_t i);

@@ -16,6 +16,7 @@ void read_film(Reader& in, const Object& object);
 void read_filter(Reader& in, const Object& object);
 void read_sampler(Reader& in, const Object& object);
 double horizontal_fov_deg(Fields& fields, const FilmDescription& film);
+void read_lens(Fields& fields, Camera& camera);
 void check_camera_scale(Fields& fields, const Transform& to_world);
 
 }  // namespace
@@ -35,10 +36,11 @@ void read_sensor(Reader& in, const Object& object) {
     if (part.tag == "sampler" && only_once(has_sampler)) read_sampler(in, part);
     if (part.tag == "medium") read_medium(in, part);
   }
-  if (object.type != "perspective") {
-    report_type(in, object, {"perspective"},
-                {"thinlens", "orthographic", "telecentric", "spherical", "batch", "distant", "radiancemeter",
-                 "fluencemeter", "irradiancemeter", "radianceprobe", "hdistant", "mdistant", "perspective_rdist"});
+  const bool has_lens = object.type == "thinlens";
+  if (!has_lens && object.type != "perspective") {
+    report_type(in, object, {"perspective", "thinlens"},
+                {"orthographic", "telecentric", "spherical", "batch", "distant", "radiancemeter", "fluencemeter",
+                 "irradiancemeter", "radianceprobe", "hdistant", "mdistant", "perspective_rdist"});
     return;
   }
   Camera& camera = in.scene.camera;
@@ -53,6 +55,7 @@ void read_sensor(Reader& in, const Object& object) {
   if (!(camera.far_clip > camera.near_clip))
     fields.error("far_clip",
                  fmt::format("far clip {} must exceed near clip {}", show(camera.far_clip), show(camera.near_clip)));
+  if (has_lens) read_lens(fields, camera);
   if (fields.number("shutter_open", 0) != fields.number("shutter_close", 0))
     in.found.warning(fields.at("shutter_close"), "the shutter changes nothing: nothing moves");
   fields.ignore({"focus_distance", "srf"});
@@ -110,6 +113,15 @@ double horizontal_fov_deg(Fields& fields, const FilmDescription& film) {
   const double half = std::tan(0.5 * fov * radians);  // half extent at distance 1
   const double half_x = axis == "y" ? half * aspect : half / std::hypot(1.0, 1 / aspect);
   return 2 * std::atan(half_x) / radians;
+}
+
+void read_lens(Fields& fields, Camera& camera) {
+  if (!fields.has("aperture_radius"))
+    fields.error("aperture_radius", "sensor \"thinlens\" needs an aperture_radius, 0 and above (scene units)");
+  camera.aperture_radius = static_cast<float>(fields.number("aperture_radius", 0, {0, 1e30, false, "0 and above"}));
+  const Range positive{0, 1e30, true, "greater than 0"};
+  camera.focus_distance =
+      static_cast<float>(fields.number("focus_distance", static_cast<double>(camera.far_clip), positive));
 }
 
 void check_camera_scale(Fields& fields, const Transform& to_world) {
