@@ -149,7 +149,7 @@ Scene open_scene(const SceneOptions& options, const Definitions& definitions, Re
   for (const Diagnostic& d : scene.diagnostics)
     if (d.severity == Severity::warning) warnings.push_back(d);
   reporter.warn(warnings);
-  if (placement) scene.camera.to_world = *placement;
+  if (placement) scene.camera.to_world = *placement, scene.camera.motion.clear();
   set_lens(options, scene.camera);
   if (options.fov_deg > 0) scene.camera.fov_x_deg = static_cast<float>(options.fov_deg);
   return scene;

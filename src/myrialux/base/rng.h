@@ -24,7 +24,8 @@ enum class Stage : std::uint8_t {
   film,
   gather_tree,
   point_tree,
-  lens
+  lens,
+  shutter
 };
 
 /// Names all streams of one pass of a render.

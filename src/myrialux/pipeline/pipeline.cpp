@@ -326,6 +326,12 @@ Metadata describe(const Scene& scene, const Settings& settings, const RenderStat
     m["myrialux.aperture_radius"] = fmt::format("{}", scene.camera.aperture_radius);
     m["myrialux.focus_distance"] = fmt::format("{}", scene.camera.focus_distance);
   }
+  if (scene.camera.moves()) {
+    m["myrialux.shutter"] = fmt::format("{} {}", scene.camera.shutter_open, scene.camera.shutter_close);
+    std::string& keys = m["myrialux.camera_motion"];
+    for (const CameraKey& key : scene.camera.motion)
+      keys += fmt::format("{}{}: {}", keys.empty() ? "" : "; ", key.time, fmt::join(key.to_world.rows(), " "));
+  }
   if (p.method != "path") {
     m["myrialux.vpls"] = std::to_string(p.n_lights);
     m["myrialux.clusters"] = std::to_string(p.n_clusters);

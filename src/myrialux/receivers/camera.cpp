@@ -1,4 +1,4 @@
-// Camera rays through a pinhole or a thin lens, and where in a pixel and on the lens they go. Same picture plane as
+// Camera rays through a pinhole or a thin lens, where in a pixel and on the lens they go, and when. Same picture plane as
 // Mitsuba's `perspective` and `thinlens`.
 #include <bit>
 #include <cmath>
@@ -10,6 +10,9 @@ namespace myrialux {
 namespace {
 
 Vec3 on_lens(const Camera& camera, Vec2 lens) { return Vec3{lens.x, lens.y, 0} * camera.aperture_radius; }
+Transform placement(const Camera& camera, const CameraSample& sample) {
+  return camera.moves() ? camera.at(sample.time) : camera.to_world;
+}
 /// Rows of the grid of cells that a pixel's samples are jittered in: as square as the factors of spp allow.
 int cell_rows(int spp) {
   int rows = static_cast<int>(std::sqrt(static_cast<double>(spp)));
@@ -34,11 +37,16 @@ CameraSample camera_sample(const Camera& camera, int width, std::uint64_t pixel,
     const float y = (static_cast<float>(cell / columns) + jitter.next()) / static_cast<float>(rows);
     sample.lens = sample_disc({x, y});
   }
+  if (camera.moves()) {
+    Rng order(key, Stage::shutter, item), jitter(key, Stage::shutter, item + 1 + place);
+    const double share = (permuted(place, n, order) + static_cast<double>(jitter.next())) / n;
+    sample.time = camera.shutter_open + share * (camera.shutter_close - camera.shutter_open);
+  }
   return sample;
 }
 
 Vec3 lens_point(const Camera& camera, const CameraSample& sample) {
-  return camera.to_world.point(on_lens(camera, sample.lens));
+  return placement(camera, sample).point(on_lens(camera, sample.lens));
 }
 
 Ray camera_ray(const Camera& camera, int width, int height, const CameraSample& sample) {
@@ -50,9 +58,10 @@ Ray camera_ray(const Camera& camera, int width, int height, const CameraSample& 
   const bool has_lens = camera.aperture_radius > 0;
   const Vec3 local = normalize(has_lens ? centre * camera.focus_distance - on_lens(camera, sample.lens) : centre);
   Ray ray;
-  ray.direction = normalize(camera.to_world.vector(local));
+  const Transform to_world = placement(camera, sample);
+  ray.direction = normalize(to_world.vector(local));
   const float near_t = camera.near_clip / local.z, far_t = camera.far_clip / local.z;
-  ray.origin = lens_point(camera, sample) + ray.direction * near_t;
+  ray.origin = to_world.point(on_lens(camera, sample.lens)) + ray.direction * near_t;
   ray.t_max = far_t - near_t;
   return ray;
 }

@@ -79,13 +79,14 @@ Vec2 film_position(int width, std::uint64_t pixel, int k, int spp, RandomKey key
 struct CameraSample {
   Vec2 film;    ///< pixels from the top left
   Vec2 lens{};  ///< on the unit disc; the centre for pinholes
+  double time = 0;  ///< in the shutter's interval; 0 for cameras that stand
 };
 
-/// Sample k of a pixel: film as above; the lens jittered in a grid of as many cells, which a random permutation of the
-/// pixel's pairs with those of the film.
+/// Sample k of a pixel: film as above; the lens jittered in a grid of as many cells, the time in as many parts of the
+/// shutter's interval, which random permutations of the pixel's pair with the cells of the film.
 CameraSample camera_sample(const Camera& camera, int width, std::uint64_t pixel, int k, int spp, RandomKey key);
 
-/// Where on the lens the sample's path begins, world space.
+/// Where on the lens the sample's path begins, world space, at the sample's time.
 Vec3 lens_point(const Camera& camera, const CameraSample& sample);
 
 /// Ray from there to the point of the focus plane that the film position shows; direction unit; from the near to the
