@@ -20,4 +20,8 @@ MethodResult render_brute_force(const FrameView& frame, const MethodParams& para
   return result;
 }
 
+Method prepare_brute_force(const World&, const VirtualLights&, float, const MethodParams&, Progress&, RenderStats&) {
+  return render_brute_force;
+}
+
 }  // namespace myrialux
