@@ -137,8 +137,8 @@ void print(const Json& j) {
   if (const double radius = camera["aperture_radius"].get<double>(); radius > 0)
     lens = fmt::format(", lens of radius {:.4g} focused at {:.4g}", radius, camera["focus_distance"].get<double>());
   if (const auto n = camera["keyframes"].get<std::size_t>(); n > 0)
-    lens += fmt::format(", moved by {} keyframes, shutter from {:.6g} to {:.6g}", n,
-                        camera["shutter"][0].get<double>(), camera["shutter"][1].get<double>());
+    lens += fmt::format(", moved by {} keyframes, shutter from {:.6g} to {:.6g}", n, camera["shutter"][0].get<double>(),
+                        camera["shutter"][1].get<double>());
   row("camera", fmt::format("at {} looking along {}, {:.4g} degrees wide{}", show(camera["origin"]),
                             show(camera["direction"]), camera["fov_x_deg"].get<double>(), lens));
   const Json& film = j["film"];

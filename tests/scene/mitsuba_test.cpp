@@ -229,16 +229,16 @@ TEST(Mitsuba, LensesOfBothDialectsAreReadAndFocusAtTheFarPlaneIfNotTold) {
 /// A camera that moves from (0, 0, 0) to (4, 0, 0) and turns by 90 degrees, between the times 1 and 3.
 Scene moving_camera(const std::string& shutter) {
   const TemporaryFolder folder;
-  return load_text(folder, "<scene version=\"0.6.0\"><default name=\"far\" value=\"4\"/><sensor type=\"perspective\">" +
-                               shutter +
-                               "<animation name=\"toWorld\"><transform time=\"1\"/><transform time=\"3\">"
-                               "<rotate y=\"1\" angle=\"90\"/><translate x=\"$far\"/></transform></animation></sensor>" +
-                               test::kLight + "</scene>");
+  return load_text(
+      folder, "<scene version=\"0.6.0\"><default name=\"far\" value=\"4\"/><sensor type=\"perspective\">" + shutter +
+                  "<animation name=\"toWorld\"><transform time=\"1\"/><transform time=\"3\">"
+                  "<rotate y=\"1\" angle=\"90\"/><translate x=\"$far\"/></transform></animation></sensor>" +
+                  test::kLight + "</scene>");
 }
 
 TEST(Mitsuba, CamerasMoveFromKeyframeToKeyframe) {
-  const Scene scene = moving_camera(
-      "<float name=\"shutterOpen\" value=\"1\"/><float name=\"shutterClose\" value=\"2\"/>");
+  const Scene scene =
+      moving_camera("<float name=\"shutterOpen\" value=\"1\"/><float name=\"shutterClose\" value=\"2\"/>");
   EXPECT_THAT(messages(scene), IsEmpty());
   const Camera& camera = scene.camera;
   EXPECT_TRUE(camera.moves());
@@ -254,7 +254,8 @@ TEST(Mitsuba, CamerasMoveFromKeyframeToKeyframe) {
 }
 
 TEST(Mitsuba, AClosedShutterShowsAMovingCameraAtOneTimeWithAWarning) {
-  const Scene scene = moving_camera("<float name=\"shutterOpen\" value=\"2\"/><float name=\"shutterClose\" value=\"2\"/>");
+  const Scene scene =
+      moving_camera("<float name=\"shutterOpen\" value=\"2\"/><float name=\"shutterClose\" value=\"2\"/>");
   EXPECT_FALSE(scene.camera.moves());
   EXPECT_EQ(scene.camera.to_world.point({0, 0, 0}), (Vec3{2, 0, 0}));
   EXPECT_THAT(messages(scene), testing::ElementsAre(HasSubstr("seen where it stands at time 2 only")));

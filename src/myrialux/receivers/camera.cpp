@@ -1,5 +1,5 @@
-// Camera rays through a pinhole or a thin lens, where in a pixel and on the lens they go, and when. Same picture plane as
-// Mitsuba's `perspective` and `thinlens`.
+// Camera rays through a pinhole or a thin lens, where in a pixel and on the lens they go, and when. Same picture plane
+// as Mitsuba's `perspective` and `thinlens`.
 #include <bit>
 #include <cmath>
 
@@ -31,10 +31,10 @@ CameraSample camera_sample(const Camera& camera, int width, std::uint64_t pixel,
   const std::uint64_t item = pixel * (std::uint64_t{n} + 1);  // of the pixel; those of its samples follow
   if (camera.aperture_radius > 0) {
     Rng order(key, Stage::lens, item), jitter(key, Stage::lens, item + 1 + place);
-    const std::uint32_t cell = permuted(place, n, order), rows = static_cast<std::uint32_t>(cell_rows(spp));
-    const std::uint32_t columns = n / rows;
-    const float x = (static_cast<float>(cell % columns) + jitter.next()) / static_cast<float>(columns);
-    const float y = (static_cast<float>(cell / columns) + jitter.next()) / static_cast<float>(rows);
+    const auto rows = static_cast<std::uint32_t>(cell_rows(spp)), columns = n / rows;
+    const std::uint32_t cell = permuted(place, n, order), column = cell % columns, row = cell / columns;
+    const float x = (static_cast<float>(column) + jitter.next()) / static_cast<float>(columns);
+    const float y = (static_cast<float>(row) + jitter.next()) / static_cast<float>(rows);
     sample.lens = sample_disc({x, y});
   }
   if (camera.moves()) {

@@ -127,8 +127,9 @@ void read_lens(Fields& fields, Camera& camera) {
 void read_placement(Fields& fields, Camera& camera) {
   camera.shutter_open = fields.number("shutter_open", 0), camera.shutter_close = fields.number("shutter_close", 0);
   if (camera.shutter_close < camera.shutter_open)
-    fields.error("shutter_close", fmt::format("the shutter closes at {} but opens at {}; allowed: the same time or later",
-                                              show(camera.shutter_close), show(camera.shutter_open)));
+    fields.error("shutter_close",
+                 fmt::format("the shutter closes at {} but opens at {}; allowed: the same time or later",
+                             show(camera.shutter_close), show(camera.shutter_open)));
   const Property* property = fields.property("to_world");
   const Animation* animation = property ? std::get_if<Animation>(&property->value) : nullptr;
   if (!animation) {

@@ -176,9 +176,9 @@ void TreeReader::read_children(Object& owner, const pugi::xml_node& node, const 
                                                      to_string(other.at)));
         }
         if (const auto* animation = std::get_if<Animation>(&property->value); animation && owner.tag != "sensor") {
-          found_.unsupported(property->at,
-                             fmt::format("a moving {} cannot be rendered yet; allowed: <animation> in a sensor",
-                                         owner.tag));
+          found_.unsupported(
+              property->at,
+              fmt::format("a moving {} cannot be rendered yet; allowed: <animation> in a sensor", owner.tag));
           property->value = Transform(animation->keys.front().to_world);
         }
         owner.properties.push_back(std::move(*property));

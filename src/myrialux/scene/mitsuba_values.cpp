@@ -13,7 +13,7 @@ namespace myrialux::mitsuba {
 
 namespace {
 
-const std::vector<std::string> kPropertyTags = {"float", "integer",  "boolean", "string",    "vector",   "point",
+const std::vector<std::string> kPropertyTags = {"float", "integer",  "boolean", "string",    "vector",    "point",
                                                 "rgb",   "spectrum", "srgb",    "blackbody", "transform", "animation"};
 const std::vector<std::string> kTransformTags = {"translate", "rotate", "scale", "lookat", "matrix"};
 
@@ -333,7 +333,8 @@ std::optional<Animation> read_animation(const Reader& in) {
     else
       is_good = false;
   }
-  if (is_good && animation.keys.empty()) in.error(in.label() + " is empty; allowed: two <transform time=\"...\"> and more");
+  if (is_good && animation.keys.empty())
+    in.error(in.label() + " is empty; allowed: two <transform time=\"...\"> and more");
   if (!is_good || animation.keys.empty()) return {};
   return animation;
 }

@@ -48,8 +48,8 @@ std::uint64_t Scene::n_triangles() const {
 
 Transform Camera::at(double time) const {
   if (motion.empty()) return to_world;
-  const auto next = std::upper_bound(motion.begin(), motion.end(), time,
-                                     [](double t, const CameraKey& key) { return t < key.time; });
+  const auto next =
+      std::upper_bound(motion.begin(), motion.end(), time, [](double t, const CameraKey& key) { return t < key.time; });
   if (next == motion.begin()) return motion.front().to_world;
   const CameraKey& last = *(next - 1);
   if (next == motion.end() || last.time == time) return last.to_world;

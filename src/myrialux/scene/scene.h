@@ -136,8 +136,8 @@ struct Camera {
   float fov_x_deg = 45;                    ///< full horizontal angle (loaders convert fov_axis with the film's aspect)
   float principal_x = 0, principal_y = 0;  ///< offset of the principal point, fractions of width and height
   float near_clip = 1e-2f, far_clip = 1e4f;
-  float aperture_radius = 0;  ///< of the lens, scene units; 0: pinhole
-  float focus_distance = 0;   ///< along +z from the lens to the plane that is sharp; 0: unknown, pinholes only
+  float aperture_radius = 0;      ///< of the lens, scene units; 0: pinhole
+  float focus_distance = 0;       ///< along +z from the lens to the plane that is sharp; 0: unknown, pinholes only
   std::vector<CameraKey> motion;  ///< two keyframes at least, times rise, all rigid; or none: it stands at `to_world`
   double shutter_open = 0, shutter_close = 0;  ///< times, as those of the keyframes
 
