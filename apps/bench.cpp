@@ -94,7 +94,9 @@ void add_arguments(CLI::App& c, BenchOptions& o) {
   c.add_option("--vpls", o.frame.n_lights, fmt::format("Virtual lights; default {}", o.frame.n_lights))
       ->check(whole_number(1, std::int64_t{1} << 31))
       ->option_text("N");
-  c.add_option("--clusters", o.frame.n_clusters, "Light clusters at budget 1; default 1000")
+  c.add_option("--clusters", o.frame.n_clusters,
+               fmt::format("Light clusters at budget 1; default {}\n(mdlc: {}, at every budget)",
+                           MethodInfo{}.n_clusters, find_method("mdlc").n_clusters))
       ->check(whole_number(1, 1 << 24))
       ->option_text("N");
   c.add_option("--clamp", o.frame.clamp, "As for render; default 0.02")->check(number(0, 10))->option_text("FRACTION");
@@ -188,7 +190,7 @@ nlohmann::ordered_json config_of(const BenchOptions& o, const Plan& plan) {
           {"size", o.size},
           {"spp", o.frame.spp},
           {"vpls", o.frame.n_lights},
-          {"clusters", o.frame.n_clusters},
+          {"clusters", o.frame.n_clusters > 0 ? nlohmann::ordered_json(o.frame.n_clusters) : "default"},
           {"clamp", o.frame.clamp},
           {"seed", o.frame.seed},
           {"defines", o.scene.definitions},

@@ -91,7 +91,11 @@ Json describe(const Scene& scene) {
            {{"origin", array(view.point({0, 0, 0}))},
             {"direction", array(normalize(view.vector({0, 0, 1})))},
             {"up", array(normalize(view.vector({0, 1, 0})))},
-            {"fov_x_deg", scene.camera.fov_x_deg}}},
+            {"fov_x_deg", scene.camera.fov_x_deg},
+            {"aperture_radius", scene.camera.aperture_radius},
+            {"focus_distance", scene.camera.aperture_radius > 0 ? Json(scene.camera.focus_distance) : Json(nullptr)},
+            {"keyframes", scene.camera.motion.size()},
+            {"shutter", {scene.camera.shutter_open, scene.camera.shutter_close}}}},
           {"film",
            {{"width", scene.film.width},
             {"height", scene.film.height},
@@ -131,8 +135,14 @@ void print(const Json& j) {
   row("textures", std::to_string(j["textures"].size()));
   row("lights", counts(j["lights"]));
   const Json& camera = j["camera"];
-  row("camera", fmt::format("at {} looking along {}, {:.4g} degrees wide", show(camera["origin"]),
-                            show(camera["direction"]), camera["fov_x_deg"].get<double>()));
+  std::string lens;
+  if (const double radius = camera["aperture_radius"].get<double>(); radius > 0)
+    lens = fmt::format(", lens of radius {:.4g} focused at {:.4g}", radius, camera["focus_distance"].get<double>());
+  if (const auto n = camera["keyframes"].get<std::size_t>(); n > 0)
+    lens += fmt::format(", moved by {} keyframes, shutter from {:.6g} to {:.6g}", n, camera["shutter"][0].get<double>(),
+                        camera["shutter"][1].get<double>());
+  row("camera", fmt::format("at {} looking along {}, {:.4g} degrees wide{}", show(camera["origin"]),
+                            show(camera["direction"]), camera["fov_x_deg"].get<double>(), lens));
   const Json& film = j["film"];
   const int depth = j["max_depth"].get<int>();
   row("film", fmt::format("{}x{} pixels, {} samples each, {} filter, paths of {} edges", film["width"].get<int>(),

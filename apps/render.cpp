@@ -99,7 +99,9 @@ void add_arguments(CLI::App& c, RenderOptions& o) {
   c.add_option("--vpls", p.n_lights, fmt::format("Virtual lights a pass; default {}", p.n_lights))
       ->check(whole_number(1, std::int64_t{1} << 31))
       ->option_text("N");
-  c.add_option("--clusters", p.n_clusters, fmt::format("Light clusters a slice; default {}", p.n_clusters))
+  c.add_option("--clusters", p.n_clusters,
+               fmt::format("Light clusters a slice; default {}\n(mdlc: pairs of clusters a pixel; {})",
+                           MethodInfo{}.n_clusters, find_method("mdlc").n_clusters))
       ->check(whole_number(1, 1 << 24))
       ->option_text("N");
   c.add_option("--passes", p.passes, "Passes to average, each with its own samples\nand lights; default 1")

@@ -39,6 +39,21 @@ std::optional<Transform> camera_placement(const SceneOptions& options) {
   return Transform::look_at(origin, target, up);
 }
 
+/// @throws Error (usage) where one of --aperture and --focus-distance needs the other
+void set_lens(const SceneOptions& options, Camera& camera) {
+  if (options.aperture_radius >= 0) camera.aperture_radius = static_cast<float>(options.aperture_radius);
+  if (options.focus_distance > 0) camera.focus_distance = static_cast<float>(options.focus_distance);
+  const bool has_lens = camera.aperture_radius > 0;
+  if (has_lens && !(camera.focus_distance > 0))
+    throw Error(ErrorKind::usage, fmt::format("--aperture {}: the scene does not say which distance is sharp; add "
+                                              "--focus-distance LENGTH",
+                                              options.aperture_radius));
+  if (!has_lens && options.focus_distance > 0)
+    throw Error(ErrorKind::usage, fmt::format("--focus-distance {}: a pinhole shows all distances sharp; add "
+                                              "--aperture RADIUS",
+                                              options.focus_distance));
+}
+
 }  // namespace
 
 void add_list(CLI::App& command, const std::string& names, std::vector<std::string>& values, const std::string& shape,
@@ -82,6 +97,16 @@ void add_camera_arguments(CLI::App& command, SceneOptions& options) {
   command.add_option("--fov", options.fov_deg, "Full horizontal angle of view, degrees")
       ->check(number(0.01, 179.9, "degrees"))
       ->option_text("DEG");
+  command
+      .add_option("--aperture", options.aperture_radius,
+                  "Radius of the lens, scene units: what is not at\n--focus-distance blurs; 0 = pinhole")
+      ->check(number(0, 1e30, "scene units"))
+      ->option_text("RADIUS");
+  command
+      .add_option("--focus-distance", options.focus_distance,
+                  "From the lens to the plane that is sharp, along\nthe view; scene units")
+      ->check(number(1e-6, 1e30, "scene units"))
+      ->option_text("LENGTH");
 }
 
 Definitions sort_definitions(const SceneOptions& options) {
@@ -124,7 +149,8 @@ Scene open_scene(const SceneOptions& options, const Definitions& definitions, Re
   for (const Diagnostic& d : scene.diagnostics)
     if (d.severity == Severity::warning) warnings.push_back(d);
   reporter.warn(warnings);
-  if (placement) scene.camera.to_world = *placement;
+  if (placement) scene.camera.to_world = *placement, scene.camera.motion.clear();
+  set_lens(options, scene.camera);
   if (options.fov_deg > 0) scene.camera.fov_x_deg = static_cast<float>(options.fov_deg);
   return scene;
 }

@@ -16,6 +16,8 @@ struct SceneOptions {
   std::vector<std::string> definitions;  ///< KEY=VALUE
   int threads = 0;                       ///< 0: all available
   double fov_deg = 0;                    ///< 0: the scene's
+  double aperture_radius = -1;           ///< negative: the scene's
+  double focus_distance = 0;             ///< 0: the scene's
   bool strict = false;
 };
 

@@ -103,6 +103,19 @@ TEST_F(MemoryLimit, HoldsForSmallFrames) {
   expect_promise_kept({"cornell-box", "--size 300x200 --vpls 10000 --clusters 100"});
   expect_promise_kept({"cornell-box", "--size 200x200 --spp 16 --method path"});
   expect_promise_kept({"cornell-box", "--size 160x120 --vpls 10000 --method illumination-cut"});
+  expect_promise_kept({"cornell-box", "--size 64x36 --spp 1024 --vpls 1000 --method mdlc --residual off"});
+}
+
+TEST_F(MemoryLimit, IsNoHigherForAThousandSamplesAPixel) {
+  // Two and a third million receivers, about 200 bytes each, if they were held at once.
+  const Case c{"cornell-box", "--size 64x36 --vpls 500 --clusters 200 --method mdlc --residual off"};
+  const std::uint64_t few = needed_mib(render(c, "--spp 64 --memory-limit 1M")),
+                      many = needed_mib(render(c, "--spp 1024 --memory-limit 1M"));
+  EXPECT_LE(many, few + 4) << "the trees over 1024 samples of the pixels in flight";
+  const Outcome accepted = render(c, "--spp 1024 --memory-limit " + std::to_string(many) + "M");
+  EXPECT_EQ(accepted.exit_code, 0) << accepted.err;
+  EXPECT_LT(accepted.peak_bytes, many * kMiB);
+  EXPECT_LT(many, 200u);
 }
 
 TEST_F(MemoryLimit, HoldsForManyLightsAndLargeFrames_Slow) {

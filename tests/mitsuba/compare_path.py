@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Does our path tracer agree with Mitsuba 3's? Mean and 8x8-block z-tests from the scatter of independent runs.
 
-    compare_path.py PROGRAM SCENE.xml [--size 96x54] [--spp 64] [--runs 6] [--method path] [-- more options of ours]
+    compare_path.py PROGRAM SCENE.xml [--size 96x54] [--spp 64] [--runs 6] [--method path] [--thin-lens RADIUS,FOCUS]
+                    [-- more options of ours]
 
 Both renderers get the same scene, size, samples and box filter. Every run has another seed, so the scatter of the block
 means gives their standard errors; Welch's t for each block, Sidak-corrected at 1 % over all blocks, and for the mean.
@@ -28,11 +29,12 @@ def arguments():
     parser.add_argument("--spp", type=int, default=64)
     parser.add_argument("--runs", type=int, default=6)
     parser.add_argument("--method", default="path")
+    parser.add_argument("--thin-lens", help="aperture radius and focus distance that the scene's camera gets")
     return parser.parse_args(own), extra
 
 
-def with_box_filter(scene, width, height, folder):
-    """A copy of the scene file with another film, beside links to the files it names."""
+def with_box_filter(scene, width, height, lens, folder):
+    """A copy of the scene file with another film, and lens if asked for, beside links to the files it names."""
     for item in scene.parent.iterdir():
         (folder / item.name).symlink_to(item.resolve())
     text = scene.read_text()
@@ -41,6 +43,12 @@ def with_box_filter(scene, width, height, folder):
     text = re.sub(r'(<integer name="width" value=)"[^"]*"', rf'\1"{width}"', text)
     text = re.sub(r'(<integer name="height" value=)"[^"]*"', rf'\1"{height}"', text)
     text = re.sub(r'<rfilter.*?(/>|</rfilter>)', '<rfilter type="box"/>', text, flags=re.S)
+    if lens:
+        radius, focus = lens.split(",")
+        text = text.replace('<sensor type="perspective">', '<sensor type="thinlens">'
+                            f'<float name="aperture_radius" value="{radius}"/>'
+                            f'<float name="focus_distance" value="{focus}"/>')
+        assert '"thinlens"' in text, "the scene has no perspective camera"
     path = folder / "compared.xml"
     path.write_text(text)
     return path
@@ -85,7 +93,7 @@ def main():
     theirs, ours = [], []
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        path = with_box_filter(options.scene, width, height, folder)
+        path = with_box_filter(options.scene, width, height, options.thin_lens, folder)
         scene = mitsuba.load_file(str(path))
         for seed in range(options.runs):
             theirs.append(np.array(mitsuba.render(scene, spp=options.spp, seed=seed + 1))[:, :, :3])

@@ -41,7 +41,7 @@ TEST(CameraRay, EqualsMitsuba) {
         Case{
             0.1f, -0.2f, {4, 24}, {0.994502f, 1.99681f, 2.99198f}, {-0.537024f, -0.312101f, -0.783708f}, 102.35995f}}) {
     camera.principal_x = c.principal_x, camera.principal_y = c.principal_y;
-    const Ray ray = camera_ray(camera, 40, 30, c.position);
+    const Ray ray = camera_ray(camera, 40, 30, {c.position});
     expect_near(ray.origin, c.origin, 1e-5f);  // printed with 6 digits
     expect_near(ray.direction, c.direction, 2e-6f);
     EXPECT_NEAR(ray.t_max, c.t_max, 2e-4f);

@@ -174,6 +174,53 @@ const Broken kCameras[] = {
 };
 INSTANTIATE_TEST_SUITE_P(All, BrokenCamera, testing::ValuesIn(kCameras), [](const auto& p) { return p.param.name; });
 
+#define KEY(time, step) "<transform time=\"" time "\">" step "</transform>\n"
+#define MOTION(keys) "<animation name=\"to_world\">\n" keys "</animation>"
+const Broken kMotions[] = {
+    {"OneKeyframe", MOTION(KEY("0", "")), "s.xml:3:1: the only keyframe of an animation; allowed: two and more"},
+    {"NoKeyframe", MOTION(""),
+     "s.xml:2:1: animation \"to_world\" is empty; allowed: two <transform time=\"...\"> and more"},
+    {"TimesFall", MOTION(KEY("0", "") KEY("1", "") KEY("0.5", "")),
+     "s.xml:5:1: keyframe of time 0.5 after that of time 1; allowed: times that rise"},
+    {"SameTimeTwice", MOTION(KEY("2", "") KEY("2", "")),
+     "s.xml:4:1: keyframe of time 2 after that of time 2; allowed: times that rise"},
+    {"KeyframeWithoutTime", MOTION("<transform/>\n" KEY("1", "")),
+     "s.xml:3:1: <transform> of an animation has time \"\"; allowed: a finite number"},
+    {"KeyframeOfAnotherKind", MOTION(KEY("0", "") "<float name=\"x\" value=\"1\"/>\n"),
+     "s.xml:4:1: <float> has an unknown attribute name; allowed: time\n"
+     "s.xml:4:1: <float> has an unknown attribute value; allowed: time\n"
+     "s.xml:4:1: unknown element <float> in an animation; allowed: transform"},
+    {"ScaledKeyframe", MOTION(KEY("0", "") KEY("1", "<scale value=\"3\"/>")),
+     "s.xml:4:1: the camera is scaled by 3; allowed: rotations, translations, mirrors"},
+    {"ShearedKeyframe", MOTION(KEY("0", "") KEY("1", "<matrix value=\"1 0.6 0  0 0.8 0  0 0 1\"/>")),
+     "s.xml:4:1: the camera is sheared; allowed: rotations, translations, mirrors"},
+    {"MirroredKeyframe", MOTION(KEY("0", "") KEY("1", "<scale x=\"-1\"/>")),
+     "s.xml:4:1: one keyframe is mirrored, the first is not, or the reverse; allowed: all or none"},
+    {"ClosesBeforeItOpens", "<float name=\"shutter_open\" value=\"1\"/>\n<float name=\"shutter_close\" value=\"0.5\"/>",
+     "s.xml:3:1: the shutter closes at 0.5 but opens at 1; allowed: the same time or later"},
+};
+INSTANTIATE_TEST_SUITE_P(Motion, BrokenCamera, testing::ValuesIn(kMotions), [](const auto& p) { return p.param.name; });
+
+class BrokenLens : public testing::TestWithParam<Broken> {};
+
+TEST_P(BrokenLens, IsRefusedWithPlaceAndRemedy) {
+  const TemporaryFolder folder;
+  const std::string text = std::string("<scene version=\"0.6.0\">") + test::kLight + "<sensor type=\"thinlens\">\n" +
+                           GetParam().scene + "</sensor></scene>";
+  EXPECT_EQ(complaint(folder, folder.write("s.xml", text)), GetParam().message);
+}
+
+const Broken kLenses[] = {
+    {"NoAperture", "", "s.xml:1:50: sensor \"thinlens\" needs an aperture_radius, 0 and above (scene units)"},
+    {"NegativeAperture", "<float name=\"apertureRadius\" value=\"-0.1\"/>",
+     "s.xml:2:1: \"apertureRadius\" is -0.1; allowed: 0 and above"},
+    {"ApertureOfWords", "<string name=\"apertureRadius\" value=\"wide\"/>",
+     "s.xml:2:1: \"apertureRadius\" is a <string>; allowed: <float>"},
+    {"NoFocus", "<float name=\"apertureRadius\" value=\"1\"/>\n <float name=\"focusDistance\" value=\"0\"/>",
+     "s.xml:3:2: \"focusDistance\" is 0; allowed: greater than 0"},
+};
+INSTANTIATE_TEST_SUITE_P(All, BrokenLens, testing::ValuesIn(kLenses), [](const auto& p) { return p.param.name; });
+
 TEST(BrokenInput, WhatIsMissingAltogetherIsToldAtTheScene) {
   const TemporaryFolder folder;
   EXPECT_EQ(complaint(folder, folder.write("s.xml", "\n<scene version=\"3.0.0\"/>")),

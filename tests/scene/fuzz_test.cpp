@@ -60,8 +60,11 @@ void fuzz_xml(int n_items) {
 <scene version="0.6.0">
   <default name="n" value="3"/>
   <integrator type="path"><integer name="maxDepth" value="$n"/></integrator>
-  <sensor type="perspective"><float name="fov" value="30"/><string name="fovAxis" value="smaller"/>
-    <transform name="toWorld"><lookAt origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>
+  <sensor type="thinlens"><float name="fov" value="30"/><string name="fovAxis" value="smaller"/>
+    <float name="apertureRadius" value="0.1"/><float name="focusDistance" value="5"/>
+    <float name="shutterClose" value="0.5"/><animation name="toWorld">
+    <transform time="0"><lookAt origin="0,0,5" target="0,0,0" up="0,1,0"/></transform>
+    <transform time="1"><translate z="-5"/><rotate y="1" angle="170"/></transform></animation>
     <film type="hdrfilm"><integer name="width" value="16"/><rfilter type="gaussian"/></film></sensor>
   <bsdf type="twosided" id="m"><bsdf type="roughconductor"><string name="material" value="Au"/>
     <float name="alphaU" value="0.1"/><float name="alphaV" value="0.1"/></bsdf></bsdf>

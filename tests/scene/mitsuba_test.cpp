@@ -203,6 +203,74 @@ TEST(Mitsuba, CameraFilmFilterSamplerAndIntegratorAreRead) {
   EXPECT_EQ(scene.camera.to_world.point({0, 0, 0}), (Vec3{1, 2, 3}));
 }
 
+TEST(Mitsuba, LensesOfBothDialectsAreReadAndFocusAtTheFarPlaneIfNotTold) {
+  const auto lens = [](const std::string& version, const std::string& parameters) {
+    const TemporaryFolder folder;
+    const Scene scene = load_text(folder, "<scene version=\"" + version + "\"><sensor type=\"thinlens\">" + parameters +
+                                              "</sensor>" + test::kLight + "</scene>");
+    EXPECT_THAT(messages(scene), IsEmpty());
+    return scene.camera;
+  };
+  const Camera old_one = lens("0.6.0",
+                              "<float name=\"apertureRadius\" value=\"0.25\"/><float name=\"focusDistance\" "
+                              "value=\"3\"/>"),
+               new_one = lens("3.0.0",
+                              "<float name=\"aperture_radius\" value=\"0.25\"/><float name=\"focus_distance\" "
+                              "value=\"3\"/>");
+  for (const Camera& camera : {old_one, new_one}) {
+    EXPECT_EQ(camera.aperture_radius, 0.25f);
+    EXPECT_EQ(camera.focus_distance, 3);
+  }
+  const Camera far_away =
+      lens("3.0.0", "<float name=\"aperture_radius\" value=\"1\"/><float name=\"far_clip\" value=\"50\"/>");
+  EXPECT_EQ(far_away.focus_distance, 50);
+}
+
+/// A camera that moves from (0, 0, 0) to (4, 0, 0) and turns by 90 degrees, between the times 1 and 3.
+Scene moving_camera(const std::string& shutter) {
+  const TemporaryFolder folder;
+  return load_text(
+      folder, "<scene version=\"0.6.0\"><default name=\"far\" value=\"4\"/><sensor type=\"perspective\">" + shutter +
+                  "<animation name=\"toWorld\"><transform time=\"1\"/><transform time=\"3\">"
+                  "<rotate y=\"1\" angle=\"90\"/><translate x=\"$far\"/></transform></animation></sensor>" +
+                  test::kLight + "</scene>");
+}
+
+TEST(Mitsuba, CamerasMoveFromKeyframeToKeyframe) {
+  const Scene scene =
+      moving_camera("<float name=\"shutterOpen\" value=\"1\"/><float name=\"shutterClose\" value=\"2\"/>");
+  EXPECT_THAT(messages(scene), IsEmpty());
+  const Camera& camera = scene.camera;
+  EXPECT_TRUE(camera.moves());
+  ASSERT_EQ(camera.motion.size(), 2u);
+  for (const CameraKey& key : camera.motion) EXPECT_EQ(camera.at(key.time), key.to_world);  // exact at their times
+  EXPECT_EQ(camera.at(0.5), camera.at(1)) << "stands still before the first";
+  EXPECT_EQ(camera.at(77), camera.at(3)) << "and after the last";
+  const Vec3 place = camera.at(2).point({0, 0, 0}), view = camera.at(2).vector({0, 0, 1});
+  EXPECT_EQ(place, (Vec3{2, 0, 0}));
+  EXPECT_NEAR(view.x, std::sqrt(0.5f), 1e-6f);
+  EXPECT_NEAR(view.z, std::sqrt(0.5f), 1e-6f);
+  EXPECT_EQ(camera.to_world, camera.at(1.5)) << "the middle of what the shutter shows";
+}
+
+TEST(Mitsuba, AClosedShutterShowsAMovingCameraAtOneTimeWithAWarning) {
+  const Scene scene =
+      moving_camera("<float name=\"shutterOpen\" value=\"2\"/><float name=\"shutterClose\" value=\"2\"/>");
+  EXPECT_FALSE(scene.camera.moves());
+  EXPECT_EQ(scene.camera.to_world.point({0, 0, 0}), (Vec3{2, 0, 0}));
+  EXPECT_THAT(messages(scene), testing::ElementsAre(HasSubstr("seen where it stands at time 2 only")));
+}
+
+TEST(Mitsuba, OnlyCamerasMove) {
+  const Scene scene = load_body(
+      "\n<shape type=\"cube\"><animation name=\"to_world\"><transform time=\"0\"><translate x=\"5\"/></transform>"
+      "<transform time=\"1\"/></animation></shape>");
+  EXPECT_THAT(messages(scene),
+              testing::ElementsAre("2:20 a moving shape cannot be rendered yet; allowed: <animation> in a sensor"));
+  EXPECT_THROW(require_renderable(scene), Error);
+  EXPECT_EQ(scene.bounds().upper.x, 6) << "shown where it begins";
+}
+
 TEST(Mitsuba, EmittersAreReadWithTheirParameters) {
   const TemporaryFolder folder;
   const Scene scene = load_text(folder, std::string("<scene version=\"3.0.0\">") + test::kCamera + R"(

@@ -23,7 +23,9 @@ enum class Stage : std::uint8_t {
   path,
   film,
   gather_tree,
-  point_tree
+  point_tree,
+  lens,
+  shutter
 };
 
 /// Names all streams of one pass of a render.

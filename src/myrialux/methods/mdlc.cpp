@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <memory>
 
 #include "myrialux/base/clock.h"
 #include "myrialux/base/parallel.h"
@@ -68,21 +69,56 @@ class PixelCut {
   Counts counts_;
 };
 
+/// @param begin as pixel_ranges() gives them
+Counts render_pixels(const FrameView& frame, const MethodParams& params, const LightTree& lights,
+                     const std::vector<std::uint32_t>& begin, std::span<Rgb> radiance, Progress& progress);
+
 /// Where the receivers of each pixel that has any begin, and their end.
 std::vector<std::uint32_t> pixel_ranges(const Receivers& receivers, int spp);
 
 }  // namespace
 
 MethodResult render_mdlc(const FrameView& frame, const MethodParams& params, Progress& progress, RenderStats& stats) {
+  return prepare_mdlc(frame.world, frame.lights, frame.scene_radius, params, progress, stats)(frame, params, progress,
+                                                                                              stats);
+}
+
+Method prepare_mdlc(const World& world, const VirtualLights& lights, float scene_radius, const MethodParams& params,
+                    Progress& progress, RenderStats& stats) {
   Stopwatch wall;
   progress.stage("clusters", 0, "");
-  const LightTree lights = build_light_tree(frame.world, frame.lights, frame.scene_radius, params.tree);
-  const std::vector<std::uint32_t> begin = pixel_ranges(frame.receivers, frame.spp);
-  const std::size_t n_pixels = begin.size() - 1;
+  /// What the parts of one pass share.
+  struct Pass {
+    LightTree lights;
+    Counts sum;
+    std::size_t n_pixels = 0;       ///< that have receivers
+    double clusters_of_passes = 0;  ///< RenderStats::clusters_mean before
+  };
+  const auto pass = std::make_shared<Pass>(
+      Pass{build_light_tree(world, lights, scene_radius, params.tree), {}, 0, stats.clusters_mean});
   stats.time_s["cluster"] += wall.lap();
+  return [pass](const FrameView& frame, const MethodParams& own, Progress& part_progress, RenderStats& part_stats) {
+    Stopwatch part_wall;
+    MethodResult result;
+    result.radiance.resize(frame.receivers.size());
+    const std::vector<std::uint32_t> begin = pixel_ranges(frame.receivers, frame.spp);
+    const Counts counts = render_pixels(frame, own, pass->lights, begin, result.radiance, part_progress);
+    part_stats.time_s["visibility"] += part_wall.lap();
+    part_stats.visibility.entries += counts.evaluated, part_stats.visibility.traced += counts.traced;
+    part_stats.rays.shadow += counts.traced;
+    pass->sum += counts, pass->n_pixels += begin.size() - 1;
+    if (pass->n_pixels > 0)
+      part_stats.clusters_mean =
+          pass->clusters_of_passes + static_cast<double>(pass->sum.pairs) / static_cast<double>(pass->n_pixels);
+    return result;
+  };
+}
 
-  MethodResult result;
-  result.radiance.resize(frame.receivers.size());
+namespace {
+
+Counts render_pixels(const FrameView& frame, const MethodParams& params, const LightTree& lights,
+                     const std::vector<std::uint32_t>& begin, std::span<Rgb> radiance, Progress& progress) {
+  const std::size_t n_pixels = begin.size() - 1;
   constexpr std::size_t kPixels = 8;  // of a work item
   std::vector<Counts> counts((n_pixels + kPixels - 1) / kPixels);
   progress.stage("pixels", n_pixels, "pixels");
@@ -90,20 +126,13 @@ MethodResult render_mdlc(const FrameView& frame, const MethodParams& params, Pro
     thread_local PixelCut cut;
     const std::size_t end = std::min(n_pixels, (block + 1) * kPixels);
     for (std::size_t k = block * kPixels; k < end; ++k)
-      counts[block] += cut.render(frame, params, lights, begin[k], begin[k + 1], result.radiance);
+      counts[block] += cut.render(frame, params, lights, begin[k], begin[k + 1], radiance);
     progress.advance(end - block * kPixels);
   });
-
   Counts sum;
   for (const Counts& c : counts) sum += c;
-  stats.time_s["visibility"] += wall.lap();
-  stats.visibility.entries += sum.evaluated, stats.visibility.traced += sum.traced;
-  stats.rays.shadow += sum.traced;
-  if (n_pixels > 0) stats.clusters_mean += static_cast<double>(sum.pairs) / static_cast<double>(n_pixels);
-  return result;
+  return sum;
 }
-
-namespace {
 
 Counts PixelCut::render(const FrameView& frame, const MethodParams& params, const LightTree& lights, std::size_t first,
                         std::size_t end, std::span<Rgb> radiance) {
@@ -112,7 +141,9 @@ Counts PixelCut::render(const FrameView& frame, const MethodParams& params, cons
   pairs_.clear(), heap_.clear(), total_ = 0, counts_ = {};
   rows_.clear();
   for (std::size_t i = first; i < end; ++i) rows_.push_back(static_cast<ReceiverId>(i));
-  Rng rng(params.key, Stage::gather_tree, first);
+  const Receivers& receivers = frame.receivers;
+  Rng rng(params.key, Stage::gather_tree,
+          (receivers.first_sample + receivers.sample[first]) / static_cast<std::uint64_t>(frame.spp));
   build_gather_tree(frame.world, frame.receivers, rows_, params.slices.normal_weight * frame.scene_radius, rng, tree_);
   if (tree_.nodes.empty()) return counts_;
 

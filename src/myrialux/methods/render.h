@@ -74,7 +74,7 @@ struct FrameView {
   const Receivers& receivers;
   const VirtualLights& lights;
   float scene_radius = 0;  ///< of the bounding sphere, for normal weights
-  int spp = 1;             ///< camera samples a pixel: receiver i is in pixel sample[i] / spp
+  int spp = 1;             ///< camera samples a pixel: receiver i is in pixel (first_sample + sample[i]) / spp
 };
 
 /// What it gives back; all indexed by receiver.
@@ -86,6 +86,11 @@ struct MethodResult {
 
 /// Adds counters and times to `stats`.
 using Method = std::function<MethodResult(const FrameView&, const MethodParams&, Progress&, RenderStats&)>;
+
+/// Does what depends on a pass's lights alone. Pixels may then be given to the method it returns in parts, each with
+/// its own receivers: results are the same however they are parted.
+using Preparation = std::function<Method(const World&, const VirtualLights&, float scene_radius, const MethodParams&,
+                                         Progress&, RenderStats&)>;
 
 /// What a render asks of its method besides the scene.
 struct MethodRequest {
@@ -100,6 +105,9 @@ struct MethodInfo {
   /// What of a scene and request the method cannot do, as the end of a sentence ("render volumes"); empty: nothing.
   /// Not set: it can do all that scenes and requests may hold.
   std::function<std::string(const Scene&, const MethodRequest&)> cannot = {};
+  std::uint32_t n_clusters = 1000;  ///< default of --clusters
+  /// Of methods whose result for a pixel depends on no other pixel's receivers; else empty.
+  Preparation prepare = {};
 };
 /// All methods, in the order of the documentation.
 const std::vector<MethodInfo>& all_methods();
@@ -118,9 +126,13 @@ MethodResult render_matrix_separation(const FrameView&, const MethodParams&, Pro
 MethodResult render_slice_lightcuts(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_lightcuts(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_mdlc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
+Method prepare_mdlc(const World&, const VirtualLights&, float scene_radius, const MethodParams&, Progress&,
+                    RenderStats&);
 MethodResult render_lightslice(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_illumination_cut(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_illumination_cut_sampling(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_brute_force(const FrameView&, const MethodParams&, Progress&, RenderStats&);
+Method prepare_brute_force(const World&, const VirtualLights&, float scene_radius, const MethodParams&, Progress&,
+                           RenderStats&);
 
 }  // namespace myrialux

@@ -18,12 +18,12 @@ PathCounters add_local_light(const World& world, const Receivers& receivers, con
     for (std::size_t i = block * kBlock; i < end; ++i) {
       const Vertex vertex = receiver_vertex(world, receivers, i);
       if (params.direct) {
-        Rng rng(params.key, Stage::direct, receivers.sample[i]);
+        Rng rng(params.key, Stage::direct, receivers.first_sample + receivers.sample[i]);
         radiance[i] += next_event(world, vertex, Lobes::wide, /*mis=*/params.residual, rng, counters[block],
                                   params.direct_samples);
       }
       if (params.residual) {
-        Rng rng(params.key, Stage::residual, receivers.sample[i]);
+        Rng rng(params.key, Stage::residual, receivers.first_sample + receivers.sample[i]);
         const ResidualParams residual{.clamp_distance = params.clamp_distance,
                                       .direct_by_sampling = params.direct,
                                       .direct_samples = params.direct_samples,

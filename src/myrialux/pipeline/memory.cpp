@@ -8,10 +8,12 @@
 #include <vector>
 
 #include "myrialux/base/error.h"
+#include "myrialux/clusters/gather_tree.h"
 #include "myrialux/clusters/point_tree.h"
 #include "myrialux/clusters/receiver_cut.h"
 #include "myrialux/film/film.h"
 #include "myrialux/methods/slice_driver.h"
+#include "myrialux/pipeline/clamp.h"
 #include "myrialux/pipeline/frame_state.h"
 #include "myrialux/reference/path_tracer.h"
 
@@ -32,7 +34,8 @@ struct Parts {
 };
 
 Bytes n_pixels(const FrameExtent& f) { return Bytes(f.width) * Bytes(f.height); }
-Bytes n_samples(const FrameExtent& f) { return n_pixels(f) * Bytes(f.spp); }
+/// Camera samples held at once.
+Bytes n_samples(const FrameExtent& f) { return Bytes(f.width) * Bytes(rows_at_once(f)) * Bytes(f.spp); }
 
 /// Columns of a slice, and the bytes of a bit for each row in them.
 Bytes n_columns(const FrameExtent& f) { return std::min<Bytes>(f.n_clusters, f.n_lights); }
@@ -46,6 +49,14 @@ Bytes slice_bytes(const FrameExtent& f) {
   const Bytes glossy = std::min<Bytes>(n_columns(f), f.n_glossy);
   return kRow * f.slice_rows + n_columns(f) * kColumn + kMatrices * bits_bytes(f) + glossy * kTable +
          n_columns(f) * f.slice_rows * f.completion_bytes;
+}
+
+/// The cut of one pixel: pairs and heap, which grow by doubling; nodes of its receivers' tree and what stands beside.
+Bytes pixel_cut_bytes(const FrameExtent& f) {
+  constexpr Bytes kPair = 3 * (2 * sizeof(std::uint32_t) + sizeof(Rgb) + sizeof(std::uint64_t));
+  constexpr Bytes kReceiver = 3 * (2 * (sizeof(GatherNode) + sizeof(Rgb)) + 64);
+  const Bytes pairs = std::min<Bytes>(f.n_clusters, Bytes(f.spp) * f.n_lights);
+  return pairs * kPair + Bytes(f.spp) * kReceiver;
 }
 
 /// One block of an illumination cut in flight, and the lists from the root to it: its pairs, at most so many columns at
@@ -102,13 +113,25 @@ Parts pass_parts(const FrameExtent& f) {
     gathering.slices = samples * kOrder + Bytes(f.n_threads) * slice_bytes(f) + pilot_bytes(f) + reduced_bytes(f);
     gathering.lights += tree;
   }
+  if (f.has_pixel_cuts) {
+    building.lights += tree + f.n_lights * kTreePoint, gathering.lights += tree;
+    gathering.slices = Bytes(f.n_threads) * pixel_cut_bytes(f);
+  }
   if (f.has_point_tree) {
     grouping.slices = samples * (kPointCode + kOrder + kPointNodes);
     building.slices = 0;
     gathering.slices = samples * (kOrder + kPointNodes) + Bytes(f.n_threads) * block_bytes(f);
     grouping.lights += tree;
   }
-  return largest({receivers, reading, grouping, building, gathering});
+  if (f.band_samples == 0) return largest({receivers, reading, grouping, building, gathering});
+  // In bands the lights and their tree stand first; few receivers of each pixel tell the scene's size. Positions grow
+  // by doubling, row by row, and are then put together.
+  constexpr Bytes kSizePoint = 4 * sizeof(Vec3);
+  Parts sizing = base, tracing = gathering;
+  if (f.has_slices) grouping.lights += tree;
+  sizing.lights = lights, sizing.receivers = n_pixels(f) * std::min<Bytes>(Bytes(f.spp), kSizeSamples) * kSizePoint;
+  tracing.receivers = receivers.receivers;
+  return largest({reading, sizing, building, tracing, grouping, gathering});
 }
 
 Parts path_parts(const FrameExtent& f) {
@@ -166,6 +189,12 @@ Bytes in_mib(Bytes bytes) { return (bytes + kMiB - 1) / kMiB; }
 }  // namespace
 
 std::uint64_t frame_bytes(const FrameExtent& frame) { return frame_parts(frame).sum(); }
+
+int rows_at_once(const FrameExtent& f) {
+  if (f.band_rows > 0) return std::min(f.band_rows, f.height);
+  const Bytes rows = f.band_samples / std::max<Bytes>(1, Bytes(f.width) * Bytes(f.spp));
+  return f.band_samples == 0 ? f.height : static_cast<int>(std::clamp<Bytes>(rows, 1, Bytes(f.height)));
+}
 
 int path_rows_at_once(const FrameExtent& f) {
   constexpr Bytes kSamples = 1 << 20;

@@ -8,8 +8,11 @@ namespace myrialux {
 
 /// What the memory of a frame depends on. Bytes are those beside what is held before the frame begins.
 struct FrameExtent {
-  bool has_lights = true, has_slices = true;  ///< path has neither
-  bool has_cuts = true;                       ///< --clusters says how many columns a slice has; brute-force takes all
+  bool has_lights = true, has_slices = true;  ///< mdlc has no slices, path neither
+  bool has_cuts = true;                       ///< --clusters limits columns; brute-force takes all
+  bool has_pixel_cuts = false;                ///< a cut a pixel, over trees of its receivers and of all lights (mdlc)
+  std::uint64_t band_samples = 0;             ///< held at once, or a row of pixels if that has more; 0: all
+  int band_rows = 0;                          ///< the same in rows of pixels, if not 0
   std::uint32_t completion_bytes = 0;         ///< working space of the completion for each entry of a slice
   bool has_point_tree = false;                ///< of all receivers; then slices are small blocks of them
   bool has_pilot = false;                     ///< some slices' bits are kept (SliceMethod::guard)
@@ -25,6 +28,11 @@ struct FrameExtent {
 
 /// The largest sum of what lives at the same time, an allowance for libraries and the allocator included.
 std::uint64_t frame_bytes(const FrameExtent& frame);
+
+/// Camera samples of a band of rows, where a method takes these one by one; fewer where memory is short.
+inline constexpr std::uint64_t kBandSamples = 1 << 19, kSmallBandSamples = 1 << 16;
+/// Rows of pixels whose receivers are held at once.
+int rows_at_once(const FrameExtent& frame);
 
 /// Rows of pixels that the path tracer holds at once.
 int path_rows_at_once(const FrameExtent& frame);

@@ -12,6 +12,7 @@
 #include "myrialux/base/process.h"
 #include "myrialux/kernels/isa.h"
 #include "myrialux/methods/slice_driver.h"
+#include "myrialux/pipeline/clamp.h"
 #include "myrialux/pipeline/frame_state.h"
 #include "myrialux/pipeline/local_light.h"
 #include "myrialux/pipeline/memory.h"
@@ -31,6 +32,7 @@ struct Settings {
   TunedParams tuned;
   Filter filter;
   int max_depth = -1;
+  float scene_radius = 0;  ///< of the bounding sphere
 };
 Settings settle(const Scene& scene, const RenderParams& params);
 
@@ -39,8 +41,8 @@ Settings settle(const Scene& scene, const RenderParams& params);
 class MemoryGuard {
  public:
   MemoryGuard(const World& world, const Settings& settings);
-  /// @throws Error (limit)
-  void require() const;
+  /// Where the method allows it, bands are made small enough first. @throws Error (limit)
+  void require();
   void require_for(const VirtualLights& lights);
   const FrameExtent& extent() const { return extent_; }
   std::uint64_t predicted_bytes() const { return std::max(peak_, held_ + frame_bytes(extent_)); }
@@ -52,6 +54,12 @@ class MemoryGuard {
 
 void render_pass(const World& world, const Settings& settings, int pass, MemoryGuard& memory, FrameState& frame,
                  Progress& progress, RenderStats& stats);
+void render_pass_in_bands(const World& world, const Settings& settings, int pass, MemoryGuard& memory,
+                          FrameState& frame, Progress& progress, RenderStats& stats);
+/// Light of all or some rows' receivers. Takes out of `rows` what it has used.
+void add_to_frame(const World& world, const Settings& settings, const Method& method, const MethodParams& method_params,
+                  const VirtualLights& lights, ReceiverResult& rows, FrameState& frame, Progress& progress,
+                  RenderStats& stats);
 void render_path(const World& world, const Settings& settings, const FrameExtent& extent, FrameState& frame,
                  Progress& progress, RenderStats& stats);
 
@@ -86,8 +94,8 @@ RenderOutput render(const Scene& scene, const RenderParams& params, Progress& pr
   stats.memory.scene = tracer.memory_bytes();
 
   MemoryGuard memory(world, settings);
-  stats.memory.predicted = memory.predicted_bytes();
   memory.require();
+  stats.memory.predicted = memory.predicted_bytes();
   FrameState frame(settings.render.width, settings.render.height, settings.filter);
   if (!method.render) {
     render_path(world, settings, memory.extent(), frame, progress, stats);
@@ -111,25 +119,6 @@ RenderOutput render(const Scene& scene, const RenderParams& params, Progress& pr
   return output;
 }
 
-float robust_radius(const Receivers& receivers) {
-  if (receivers.size() == 0) return 0;
-  Vec3 extent;
-  std::vector<float> values(receivers.size());
-  for (int axis = 0; axis < 3; ++axis) {
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = receivers.p[i][axis];
-    const std::size_t low = values.size() / 50, high = values.size() - 1 - low;
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(low), values.end());
-    const float lower = values[low];
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(high), values.end());
-    extent[axis] = values[high] - lower;
-  }
-  return 0.5f * length(extent);
-}
-
-float clamp_length(float clamp, float clamp_distance, const Receivers& receivers) {
-  return clamp_distance >= 0 ? clamp_distance : clamp * robust_radius(receivers);
-}
-
 namespace {
 
 Settings settle(const Scene& scene, const RenderParams& params) {
@@ -141,21 +130,26 @@ Settings settle(const Scene& scene, const RenderParams& params) {
   if (s.render.spp == 0) s.render.spp = params.method == "path" ? scene.film.spp : 4;
   s.max_depth = params.max_depth != 0 ? params.max_depth : scene.max_depth;
   s.filter = params.has_filter ? params.filter : scene.film.filter;
-  s.tuned.method.cut.n_clusters = params.n_clusters;
+  if (s.render.n_clusters == 0) s.render.n_clusters = find_method(params.method).n_clusters;
+  s.tuned.method.cut.n_clusters = s.render.n_clusters;
   apply_extra(params.extra, s.tuned);
+  s.scene_radius = 0.5f * scene.bounds().diagonal();
   return s;
 }
+
+RandomKey key_of_pass(const RenderParams& params, int pass) { return {params.seed, static_cast<std::uint32_t>(pass)}; }
 
 LightParams light_params(const RenderParams& params, int pass) {
   return {.n_lights = params.n_lights,
           .direct = params.direct == RenderParams::Direct::vpl,
-          .key = {params.seed, static_cast<std::uint32_t>(pass)}};
+          .key = key_of_pass(params, pass)};
 }
 
 MemoryGuard::MemoryGuard(const World& world, const Settings& settings) : limit_(settings.render.memory_limit) {
   const RenderParams& p = settings.render;
   FrameExtent& e = extent_;
-  e.has_lights = e.has_slices = p.method != "path", e.has_cuts = e.has_lights && p.method != "brute-force";
+  e.has_lights = p.method != "path", e.has_pixel_cuts = p.method == "mdlc";
+  e.has_slices = e.has_lights && !e.has_pixel_cuts, e.has_cuts = e.has_lights && p.method != "brute-force";
   e.has_packets = p.method == "lightcuts";
   const MethodParams& m = settings.tuned.method;
   e.has_pilot = (p.method == "bamc" && m.bamc_guard > 0) || (p.method == "amc" && m.amc_guard > 0) ||
@@ -174,7 +168,7 @@ MemoryGuard::MemoryGuard(const World& world, const Settings& settings) : limit_(
                                    own.n_slices, settings.tuned.method.slices.block_rows);
     e.reduced_rows = own.n_slices, e.reduced_dimensions = own.n_dimensions;
   }
-  e.n_channels = FrameState::n_channels(p.aovs, e.has_cuts);
+  e.n_channels = FrameState::n_channels(p.aovs, e.has_slices && e.has_cuts);
   std::error_code none;
   if (e.has_lights && p.lights_file.empty()) {
     const LightForecast forecast = forecast_lights(world, light_params(p, 0));
@@ -185,10 +179,13 @@ MemoryGuard::MemoryGuard(const World& world, const Settings& settings) : limit_(
   }
   release_freed_memory();
   held_ = resident_bytes(), peak_ = peak_rss_bytes();
+  if (find_method(p.method).prepare) e.band_samples = kBandSamples, e.band_rows = p.rows_at_once;
 }
 
-void MemoryGuard::require() const {
-  if (limit_ > 0) require_memory(extent_, held_, peak_, limit_);
+void MemoryGuard::require() {
+  if (limit_ == 0) return;
+  if (extent_.band_samples > 0 && predicted_bytes() > limit_) extent_.band_samples = kSmallBandSamples;
+  require_memory(extent_, held_, peak_, limit_);
 }
 
 void MemoryGuard::require_for(const VirtualLights& lights) {
@@ -202,46 +199,124 @@ void MemoryGuard::require_for(const VirtualLights& lights) {
 VirtualLights read_or_trace(const World& world, const Settings& settings, int pass, Progress& progress,
                             RenderStats& stats) {
   const LightParams params = light_params(settings.render, pass);
+  VirtualLights lights;
   if (!settings.render.lights_file.empty()) {
-    VirtualLights lights = read_lights(settings.render.lights_file, world.scene);
+    lights = read_lights(settings.render.lights_file, world.scene);
     if (!params.direct) remove_direct(lights);
-    return lights;
+  } else {
+    LightResult traced = trace_lights(world, params, progress);
+    stats.rays.light += traced.light_rays;
+    lights = std::move(traced.lights);
   }
-  LightResult traced = trace_lights(world, params, progress);
-  stats.rays.light += traced.light_rays;
-  return std::move(traced.lights);
+  stats.virtual_lights += lights.size();
+  return lights;
+}
+
+ReceiverParams receiver_params(const RenderParams& params, int pass) {
+  return {.width = params.width, .height = params.height, .spp = params.spp, .key = key_of_pass(params, pass)};
+}
+
+MethodParams params_of_pass(const Settings& settings, int pass, float clamp_distance) {
+  MethodParams params = settings.tuned.method;
+  params.key = params.tree.key = key_of_pass(settings.render, pass);
+  params.cut.clamp_distance = clamp_distance;
+  return params;
+}
+
+std::uint64_t n_samples(const RenderParams& params) {
+  return static_cast<std::uint64_t>(params.width) * static_cast<std::uint64_t>(params.height) *
+         static_cast<std::uint64_t>(params.spp);
+}
+
+/// Counts, and what the camera samples met first, which need not be held any longer.
+void add_first_hits(ReceiverResult& rows, FrameState& frame, RenderStats& stats) {
+  stats.rays.camera += rows.camera_rays;
+  stats.receivers += rows.receivers.size();
+  const Stopwatch wall;
+  frame.add_first_hits(rows.samples);
+  rows.samples.drop_layers();
+  stats.time_s["film"] += wall.elapsed();
+}
+
+void warn_inside_walls(std::uint64_t inside_walls, std::uint64_t n_first_hits, RenderStats& stats) {
+  if (inside_walls * 10 > n_first_hits * 9)
+    stats.warnings.push_back(
+        "nearly all camera rays meet the inner side of a one-sided surface: the camera stands inside a wall or object; "
+        "move it (--look-at) or make the material two-sided");
 }
 
 void render_pass(const World& world, const Settings& settings, int pass, MemoryGuard& memory, FrameState& frame,
                  Progress& progress, RenderStats& stats) {
   const RenderParams& params = settings.render;
-  const RandomKey key{params.seed, static_cast<std::uint32_t>(pass)};
   if (params.passes > 1) progress.note(fmt::format("pass {} of {}", pass + 1, params.passes));
+  if (rows_at_once(memory.extent()) < params.height)
+    return render_pass_in_bands(world, settings, pass, memory, frame, progress, stats);
   Stopwatch wall;
 
   // Rows and columns of the light matrix.
-  ReceiverResult rows =
-      trace_receivers(world, {.width = params.width, .height = params.height, .spp = params.spp, .key = key}, progress);
-  const Receivers& receivers = rows.receivers;
-  stats.rays.camera += rows.camera_rays;
-  stats.receivers += receivers.size();
+  ReceiverResult rows = trace_receivers(world, receiver_params(params, pass), progress);
   stats.time_s["receivers"] += wall.lap();
-  frame.add_first_hits(rows.samples);
-  rows.samples.drop_layers();
-  stats.time_s["film"] += wall.lap();
+  add_first_hits(rows, frame, stats);
+  wall.lap();
   const VirtualLights lights = read_or_trace(world, settings, pass, progress, stats);
   memory.require_for(lights);
-  stats.virtual_lights += lights.size();
   stats.time_s["lights"] += wall.lap();
+  const float clamp = clamp_length(params.clamp, params.clamp_distance, size_points(rows.receivers, params.spp));
+
+  const MethodParams method_params = params_of_pass(settings, pass, clamp);
+  add_to_frame(world, settings, find_method(params.method).render, method_params, lights, rows, frame, progress, stats);
+  ++stats.passes;
+  if (pass == 0) warn_inside_walls(rows.inside_walls, n_samples(params), stats);
+}
+
+/// As above, with no more receivers at once than a band of rows of pixels has.
+void render_pass_in_bands(const World& world, const Settings& settings, int pass, MemoryGuard& memory,
+                          FrameState& frame, Progress& progress, RenderStats& stats) {
+  const RenderParams& params = settings.render;
+  Stopwatch wall;
+  const VirtualLights lights = read_or_trace(world, settings, pass, progress, stats);
+  memory.require_for(lights);
+  stats.time_s["lights"] += wall.lap();
+  float clamp = params.clamp_distance;
+  if (clamp < 0) {
+    PathCounters rays;
+    const auto points = trace_receiver_positions(world, receiver_params(params, pass), kSizeSamples, rays);
+    clamp = clamp_length(params.clamp, -1, points);
+    stats.rays.camera += rays.closest;
+    stats.time_s["receivers"] += wall.lap();
+  }
+
+  const MethodParams method_params = params_of_pass(settings, pass, clamp);
+  const Method method =
+      find_method(params.method).prepare(world, lights, settings.scene_radius, method_params, progress, stats);
+  progress.stage("bands of rows", n_samples(params) / static_cast<std::uint64_t>(params.spp), "pixels");
+  Progress silent;
+  std::uint64_t inside_walls = 0;
+  const int n_rows = rows_at_once(memory.extent());
+  for (int y = 0; y < params.height; y += n_rows) {
+    const int end = std::min(params.height, y + n_rows);
+    wall.lap();
+    ReceiverResult rows = trace_receiver_rows(world, receiver_params(params, pass), y, end, silent);
+    stats.time_s["receivers"] += wall.lap();
+    add_first_hits(rows, frame, stats);
+    add_to_frame(world, settings, method, method_params, lights, rows, frame, silent, stats);
+    inside_walls += rows.inside_walls;
+    progress.advance(static_cast<std::uint64_t>(end - y) * static_cast<std::uint64_t>(params.width));
+  }
+  ++stats.passes;
+  if (pass == 0) warn_inside_walls(inside_walls, n_samples(params), stats);
+}
+
+void add_to_frame(const World& world, const Settings& settings, const Method& method, const MethodParams& method_params,
+                  const VirtualLights& lights, ReceiverResult& rows, FrameState& frame, Progress& progress,
+                  RenderStats& stats) {
+  const RenderParams& params = settings.render;
+  const Receivers& receivers = rows.receivers;
+  Stopwatch wall;
 
   // The method: which entries are joined, and how they are summed.
-  MethodParams method_params = settings.tuned.method;
-  method_params.key = method_params.tree.key = key;
-  method_params.cut.clamp_distance = clamp_length(params.clamp, params.clamp_distance, receivers);
-  const float scene_radius = 0.5f * world.scene.bounds().diagonal();
   MethodResult result =
-      find_method(params.method)
-          .render({world, receivers, lights, scene_radius, params.spp}, method_params, progress, stats);
+      method({world, receivers, lights, settings.scene_radius, params.spp}, method_params, progress, stats);
   wall.lap();
 
   // What virtual lights leave out, by rays of each receiver's own.
@@ -252,7 +327,7 @@ void render_pass(const World& world, const Settings& settings, int pass, MemoryG
                                                    .direct_samples = static_cast<int>(settings.tuned.direct_samples),
                                                    .residual = params.residual,
                                                    .clamp_distance = method_params.cut.clamp_distance,
-                                                   .key = key},
+                                                   .key = method_params.key},
                                                   result.radiance, progress);
     stats.rays.compensation += counters.closest + counters.occlusion;
     stats.time_s["direct"] += wall.lap();
@@ -266,11 +341,6 @@ void render_pass(const World& world, const Settings& settings, int pass, MemoryG
   frame.add_radiance(rows.samples, radiance);
   frame.add_slices(receivers, result, params.spp);
   stats.time_s["film"] += wall.lap();
-  ++stats.passes;
-  if (rows.inside_walls * 10 > rows.samples.size() * 9 && pass == 0)
-    stats.warnings.push_back(
-        "nearly all camera rays meet the inner side of a one-sided surface: the camera stands inside a wall or object; "
-        "move it (--look-at) or make the material two-sided");
 }
 
 void render_path(const World& world, const Settings& settings, const FrameExtent& extent, FrameState& frame,
@@ -323,6 +393,16 @@ Metadata describe(const Scene& scene, const Settings& settings, const RenderStat
       fmt::format("{} {}", kFilters[static_cast<std::size_t>(settings.filter.kind)], settings.filter.radius);
   m["myrialux.camera_to_world"] = fmt::format("{}", fmt::join(scene.camera.to_world.rows(), " "));
   m["myrialux.fov_x_deg"] = fmt::format("{}", scene.camera.fov_x_deg);
+  if (scene.camera.aperture_radius > 0) {
+    m["myrialux.aperture_radius"] = fmt::format("{}", scene.camera.aperture_radius);
+    m["myrialux.focus_distance"] = fmt::format("{}", scene.camera.focus_distance);
+  }
+  if (scene.camera.moves()) {
+    m["myrialux.shutter"] = fmt::format("{} {}", scene.camera.shutter_open, scene.camera.shutter_close);
+    std::string& keys = m["myrialux.camera_motion"];
+    for (const CameraKey& key : scene.camera.motion)
+      keys += fmt::format("{}{}: {}", keys.empty() ? "" : "; ", key.time, fmt::join(key.to_world.rows(), " "));
+  }
   if (p.method != "path") {
     m["myrialux.vpls"] = std::to_string(p.n_lights);
     m["myrialux.clusters"] = std::to_string(p.n_clusters);

@@ -14,8 +14,8 @@ struct RenderParams {
   int width = 0, height = 0;  ///< 0: as the scene says
   int spp = 0;                ///< 0: 4 (many-light methods) or the scene's (path)
   std::uint64_t n_lights = 100000;
-  std::uint32_t n_clusters = 1000;
-  int max_depth = 0;  ///< 0: as the scene says; -1: no limit
+  std::uint32_t n_clusters = 0;  ///< 0: MethodInfo::n_clusters
+  int max_depth = 0;             ///< 0: as the scene says; -1: no limit
   enum class Direct { vpl, sampled } direct = Direct::vpl;
   float clamp = 0.02f;        ///< fraction of the robust scene radius; 0 = off
   float clamp_distance = -1;  ///< the same in scene units, in place of `clamp`; negative: not given
@@ -24,6 +24,7 @@ struct RenderParams {
   std::uint64_t seed = 0;
   int threads = 0;                           ///< 0: all available
   std::uint64_t memory_limit = 0;            ///< bytes the process never exceeds; 0: none
+  int rows_at_once = 0;                      ///< of pixels, by methods that can (MethodInfo::prepare); 0: as fits
   std::string lights_file;                   ///< read instead of traced
   std::map<std::string, std::string> extra;  ///< -D key=value
   Filter filter;                             ///< used if has_filter, else the scene's
@@ -40,13 +41,6 @@ struct RenderOutput {
 /// @throws Error (usage: unknown method or key; input; limit: the process would take more than memory_limit, naming
 /// settings that fit; thrown before the frame, or after a pass's lights are known should they be more than foreseen)
 RenderOutput render(const Scene& scene, const RenderParams& params, Progress& progress);
-
-/// Half the diagonal of the box that holds the middle 96 % of the receivers along each axis: a scene size that one far
-/// ground plane does not spoil.
-float robust_radius(const Receivers& receivers);
-
-/// Least distance that counts, in scene units; 0: none. @param clamp, clamp_distance as in RenderParams
-float clamp_length(float clamp, float clamp_distance, const Receivers& receivers);
 
 /// Name, default and meaning of every -D key, for --help and docs.
 struct ParameterInfo {

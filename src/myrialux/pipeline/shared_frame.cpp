@@ -8,6 +8,7 @@
 
 #include "myrialux/base/clock.h"
 #include "myrialux/base/error.h"
+#include "myrialux/pipeline/clamp.h"
 #include "myrialux/pipeline/parameters.h"
 #include "myrialux/scene/load.h"
 
@@ -16,6 +17,10 @@ namespace {
 
 constexpr const char* kClusters = "clusters";
 
+/// Largest cut at budget 1.
+std::uint32_t clusters(const MethodInfo& method, const SharedFrameParams& params) {
+  return params.n_clusters > 0 ? params.n_clusters : method.n_clusters;
+}
 /// Parameters of a method at a budget.
 TunedParams tuned_at(const MethodInfo& method, double budget, const SharedFrameParams& params);
 /// The knob's value at a budget, and whether there is one.
@@ -56,7 +61,7 @@ SharedFrame::SharedFrame(const Scene& scene, const SharedFrameParams& params, Pr
       state_->world, {.width = params.width, .height = params.height, .spp = params.spp, .key = key}, progress);
   state_->lights =
       trace_lights(state_->world, {.n_lights = params.n_lights, .direct = true, .key = key}, progress).lights;
-  state_->clamp_distance = params.clamp * robust_radius(state_->rows.receivers);
+  state_->clamp_distance = clamp_length(params.clamp, -1, size_points(state_->rows.receivers, params.spp));
   state_->scene_radius = 0.5f * scene.bounds().diagonal();
 }
 
@@ -97,7 +102,7 @@ namespace {
 
 std::string knob_value(const MethodInfo& method, double budget, const SharedFrameParams& params) {
   if (method.knob == kClusters)
-    return std::to_string(std::max<long long>(1, std::llround(budget * static_cast<double>(params.n_clusters))));
+    return std::to_string(std::max<long long>(1, std::llround(budget * static_cast<double>(clusters(method, params)))));
   TunedParams defaults;
   apply_extra(params.extra, defaults);
   for (const ParameterInfo& p : parameter_values(defaults))
@@ -109,7 +114,7 @@ std::string knob_value(const MethodInfo& method, double budget, const SharedFram
 TunedParams tuned_at(const MethodInfo& method, double budget, const SharedFrameParams& params) {
   TunedParams tuned;
   apply_extra(params.extra, tuned);
-  tuned.method.cut.n_clusters = params.n_clusters;
+  tuned.method.cut.n_clusters = clusters(method, params);
   if (method.knob == kClusters)
     tuned.method.cut.n_clusters = static_cast<std::uint32_t>(std::stoul(knob_value(method, budget, params)));
   else if (!method.knob.empty())

@@ -11,8 +11,8 @@ namespace myrialux {
 struct SharedFrameParams {
   int width = 640, height = 360, spp = 4;
   std::uint64_t n_lights = 100000;
-  std::uint32_t n_clusters = 1000;  ///< at budget 1
-  float clamp = 0.02f;              ///< as RenderParams
+  std::uint32_t n_clusters = 0;  ///< at budget 1; 0: the method's default
+  float clamp = 0.02f;           ///< as RenderParams
   std::uint64_t seed = 0;
   std::map<std::string, std::string> extra;  ///< -D keys, for all methods
 };

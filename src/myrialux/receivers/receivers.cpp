@@ -16,54 +16,89 @@ struct Reached {
   Rgb beta;
   int depth = 0;
 };
-struct RowOfSamples {
+struct BlockOfSamples {
   std::size_t n_receivers = 0;
   PathCounters rays;
   std::uint64_t inside_walls = 0;
 };
-std::optional<Reached> follow_sharp(const World& world, Ray ray, Rng& rng, std::size_t sample, CameraSamples& samples,
-                                    RowOfSamples& row);
+constexpr std::size_t kBlockSamples = 1024;  ///< of a work item, about
+
+/// @param sample of the whole picture; @param k its place in `samples`
+std::optional<Reached> trace_sample(const World& world, const ReceiverParams& params, std::size_t sample, std::size_t k,
+                                    CameraSamples& samples, BlockOfSamples& block);
+/// @param lens where the path begins; `ray` may begin further on
+std::optional<Reached> follow_sharp(const World& world, Vec3 lens, Ray ray, Rng& rng, std::size_t sample,
+                                    CameraSamples& samples, BlockOfSamples& block);
 void put(Receivers& to, std::size_t i, const Reached& reached, std::size_t sample);
-void record_first_hit(const Camera& camera, CameraSamples& samples, std::size_t sample, const Vertex& vertex);
-/// Moves the receivers of all rows together; row y's begin at y * samples_a_row.
-void close_gaps(Receivers& receivers, const std::vector<RowOfSamples>& rows, std::size_t samples_a_row);
+void record_first_hit(Vec3 lens, CameraSamples& samples, std::size_t sample, const Vertex& vertex);
+/// Moves the receivers of all blocks together; block b's begin at b * block_samples.
+void close_gaps(Receivers& receivers, const std::vector<BlockOfSamples>& blocks, std::size_t block_samples);
 
 }  // namespace
 
 ReceiverResult trace_receivers(const World& world, const ReceiverParams& params, Progress& progress) {
+  const auto n_pixels = static_cast<std::uint64_t>(params.width) * static_cast<std::uint64_t>(params.height);
+  progress.stage("receivers", n_pixels * static_cast<std::uint64_t>(params.spp), "samples");
+  return trace_receiver_rows(world, params, 0, params.height, progress);
+}
+
+ReceiverResult trace_receiver_rows(const World& world, const ReceiverParams& params, int y_begin, int y_end,
+                                   Progress& progress) {
   ReceiverResult result;
   CameraSamples& samples = result.samples;
-  samples.width = params.width, samples.height = params.height, samples.spp = params.spp;
-  const auto width = static_cast<std::size_t>(params.width), height = static_cast<std::size_t>(params.height);
-  const auto spp = static_cast<std::size_t>(params.spp), n = width * height * spp;
+  samples.width = params.width, samples.height = params.height, samples.spp = params.spp, samples.first_row = y_begin;
+  const auto width = static_cast<std::size_t>(params.width), spp = static_cast<std::size_t>(params.spp);
+  const std::size_t n_pixels = width * static_cast<std::size_t>(y_end - y_begin), n = n_pixels * spp;
   if (n > 0xffffffffu)
     throw Error(ErrorKind::limit, "a pass of " + std::to_string(n) +
                                       " camera samples is more than 2^32 - 1; render more passes of fewer samples");
   samples.position.resize(n), samples.emission.resize(n), samples.albedo.resize(n), samples.normal.resize(n);
   samples.depth.assign(n, kInfinity);
+  const std::size_t first = result.receivers.first_sample = width * static_cast<std::size_t>(y_begin) * spp;
 
-  // A row of pixels is a work item with room for a receiver a sample; then the rows are moved together in order, so
+  // A block of pixels is a work item with room for a receiver a sample; then the blocks are moved together in order, so
   // that threads do not show.
-  progress.stage("receivers", n, "samples");
-  std::vector<RowOfSamples> rows(height);
+  const std::size_t block_samples = std::max<std::size_t>(1, kBlockSamples / spp) * spp;
+  std::vector<BlockOfSamples> blocks((n + block_samples - 1) / block_samples);
   result.receivers.resize(n);
-  parallel_for(height, [&](std::size_t y) {
-    for (std::size_t sample = y * width * spp; sample < (y + 1) * width * spp; ++sample) {
-      samples.position[sample] =
-          film_position(params.width, sample / spp, static_cast<int>(sample % spp), params.spp, params.key);
-      const Ray ray = camera_ray(world.scene.camera, params.width, params.height, samples.position[sample]);
-      Rng rng(params.key, Stage::receiver, sample);
-      if (const auto reached = follow_sharp(world, ray, rng, sample, samples, rows[y]))
-        put(result.receivers, y * width * spp + rows[y].n_receivers++, *reached, sample);
-    }
-    progress.advance(width * spp);
+  parallel_for(blocks.size(), [&](std::size_t b) {
+    const std::size_t begin = b * block_samples, end = std::min(n, begin + block_samples);
+    for (std::size_t sample = begin; sample < end; ++sample)
+      if (const auto reached = trace_sample(world, params, first + sample, sample, samples, blocks[b]))
+        put(result.receivers, begin + blocks[b].n_receivers++, *reached, sample);
+    progress.advance(end - begin);
   });
-  for (const RowOfSamples& row : rows) {
-    result.camera_rays += row.rays.closest, result.shadow_rays += row.rays.occlusion;
-    result.inside_walls += row.inside_walls;
+  for (const BlockOfSamples& block : blocks) {
+    result.camera_rays += block.rays.closest, result.shadow_rays += block.rays.occlusion;
+    result.inside_walls += block.inside_walls;
   }
-  close_gaps(result.receivers, rows, width * spp);
+  close_gaps(result.receivers, blocks, block_samples);
   return result;
+}
+
+std::vector<Vec3> trace_receiver_positions(const World& world, const ReceiverParams& params, int n_samples,
+                                           PathCounters& rays) {
+  struct Row {
+    std::vector<Vec3> p;
+    BlockOfSamples counters;
+  };
+  std::vector<Row> rows(static_cast<std::size_t>(params.height));
+  const auto width = static_cast<std::size_t>(params.width), spp = static_cast<std::size_t>(params.spp);
+  parallel_for(rows.size(), [&](std::size_t y) {
+    CameraSamples unused;  // of one sample after the other
+    unused.position.resize(1), unused.emission.resize(1), unused.albedo.resize(1), unused.normal.resize(1);
+    unused.depth.resize(1);
+    for (std::size_t pixel = y * width; pixel < (y + 1) * width; ++pixel)
+      for (std::size_t k = 0; k < std::min(spp, static_cast<std::size_t>(n_samples)); ++k)
+        if (const auto reached = trace_sample(world, params, pixel * spp + k, 0, unused, rows[y].counters))
+          rows[y].p.push_back(reached->vertex.surface.p);
+  });
+  std::vector<Vec3> p;
+  for (const Row& row : rows) {
+    p.insert(p.end(), row.p.begin(), row.p.end());
+    rays += row.counters.rays;
+  }
+  return p;
 }
 
 Vertex receiver_vertex(const World& world, const Receivers& receivers, std::size_t i) {
@@ -99,19 +134,31 @@ void Receivers::resize(std::size_t count) {
 
 namespace {
 
-std::optional<Reached> follow_sharp(const World& world, Ray ray, Rng& rng, std::size_t sample, CameraSamples& samples,
-                                    RowOfSamples& row) {
+std::optional<Reached> trace_sample(const World& world, const ReceiverParams& params, std::size_t sample, std::size_t k,
+                                    CameraSamples& samples, BlockOfSamples& block) {
+  const Camera& camera = world.scene.camera;
+  const auto spp = static_cast<std::size_t>(params.spp);
+  const CameraSample drawn =
+      camera_sample(camera, params.width, sample / spp, static_cast<int>(sample % spp), params.spp, params.key);
+  samples.position[k] = drawn.film;
+  const Ray ray = camera_ray(camera, params.width, params.height, drawn);
+  Rng rng(params.key, Stage::receiver, sample);
+  return follow_sharp(world, lens_point(camera, drawn), ray, rng, k, samples, block);
+}
+
+std::optional<Reached> follow_sharp(const World& world, Vec3 lens, Ray ray, Rng& rng, std::size_t sample,
+                                    CameraSamples& samples, BlockOfSamples& block) {
   CameraWalk walk;
   while (within_depth(world, walk.depth + 1)) {
-    const auto hit = next_surface(world, ray, walk.depth, row.rays, [&](const SurfacePoint* met) {
+    const auto hit = next_surface(world, ray, walk.depth, block.rays, [&](const SurfacePoint* met) {
       samples.emission[sample] += walk.beta * met_emission(world, walk, met, ray);
     });
     if (!hit) break;
     const Vertex vertex = make_vertex(world, *hit, -ray.direction);
     const bool black_back = is_black_back(vertex);
     if (walk.depth++ == 0) {
-      record_first_hit(world.scene.camera, samples, sample, vertex);
-      row.inside_walls += black_back;
+      record_first_hit(lens, samples, sample, vertex);
+      block.inside_walls += black_back;
     }
     if (black_back || !within_depth(world, walk.depth + 1)) break;
 
@@ -122,7 +169,7 @@ std::optional<Reached> follow_sharp(const World& world, Ray ray, Rng& rng, std::
       return Reached{vertex, walk.beta * (1 / (1 - sharp)), walk.depth};
     }
     walk.beta *= 1 / sharp;
-    samples.emission[sample] += walk.beta * next_event(world, vertex, Lobes::sharp, /*mis=*/true, rng, row.rays);
+    samples.emission[sample] += walk.beta * next_event(world, vertex, Lobes::sharp, /*mis=*/true, rng, block.rays);
     if (!scatter(world, vertex, Lobes::sharp, walk, ray, rng)) break;
   }
   return std::nullopt;
@@ -144,20 +191,20 @@ void put(Receivers& to, std::size_t i, const Reached& reached, std::size_t sampl
   to.inside[i] = inside;
 }
 
-void record_first_hit(const Camera& camera, CameraSamples& samples, std::size_t sample, const Vertex& vertex) {
+void record_first_hit(Vec3 lens, CameraSamples& samples, std::size_t sample, const Vertex& vertex) {
   samples.albedo[sample] = albedo(vertex.bsdf);
   samples.normal[sample] = vertex.n;
-  samples.depth[sample] = length(vertex.surface.p - camera.to_world.point({}));
+  samples.depth[sample] = length(vertex.surface.p - lens);
 }
 
-void close_gaps(Receivers& receivers, const std::vector<RowOfSamples>& rows, std::size_t samples_a_row) {
+void close_gaps(Receivers& receivers, const std::vector<BlockOfSamples>& blocks, std::size_t block_samples) {
   std::size_t n = 0;
-  for (const RowOfSamples& row : rows) n += row.n_receivers;
+  for (const BlockOfSamples& block : blocks) n += block.n_receivers;
   for_each_array(receivers, [&](auto& array) {
     auto end = array.begin();
-    for (std::size_t y = 0; y < rows.size(); ++y) {
-      const auto begin = array.begin() + static_cast<std::ptrdiff_t>(y * samples_a_row);
-      const auto count = static_cast<std::ptrdiff_t>(rows[y].n_receivers);
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      const auto begin = array.begin() + static_cast<std::ptrdiff_t>(b * block_samples);
+      const auto count = static_cast<std::ptrdiff_t>(blocks[b].n_receivers);
       end = begin == end ? end + count : std::copy_n(begin, count, end);
     }
     array.resize(n);

@@ -19,9 +19,10 @@ struct Receivers {
   std::vector<Vec3> wo;       ///< unit, towards where the camera path came from
   std::vector<BsdfParams> bsdf;
   std::vector<Rgb> beta;              ///< path weight from the camera, choice of lobes included
-  std::vector<std::uint32_t> sample;  ///< camera sample it belongs to: pixel * spp + k
+  std::vector<std::uint32_t> sample;  ///< camera sample it belongs to, among those traced: pixel * spp + k
   std::vector<std::uint8_t> depth;    ///< path edges from the camera to here, >= 1
   std::vector<std::uint8_t> inside;   ///< 1: seen from the back of a one-sided (refracting) material: local wo.z < 0
+  std::uint64_t first_sample = 0;     ///< place in the picture of the first sample traced
   std::size_t size() const { return p.size(); }
   void reserve(std::size_t n);
   void resize(std::size_t n);
@@ -70,13 +71,37 @@ struct ReceiverResult {
 /// Same bits for any number of threads.
 ReceiverResult trace_receivers(const World& world, const ReceiverParams& params, Progress& progress);
 
+/// The same for the pixels of rows [y_begin, y_end) only; calls progress.advance() alone.
+ReceiverResult trace_receiver_rows(const World& world, const ReceiverParams& params, int y_begin, int y_end,
+                                   Progress& progress);
+
+/// Positions alone, of the first n_samples of each pixel's: those that trace_receivers() gives these samples.
+/// @param rays closest hits are added to it
+std::vector<Vec3> trace_receiver_positions(const World& world, const ReceiverParams& params, int n_samples,
+                                           PathCounters& rays);
+
 /// Film position (pixels) of sample k of a pixel: jittered in a grid of spp cells, as square as spp's factors allow;
 /// cell numbers are shifted by a random offset a pixel, so that the first samples of a pixel are no worse than the
 /// last.
 Vec2 film_position(int width, std::uint64_t pixel, int k, int spp, RandomKey key);
 
-/// Ray through film position (pixels); direction unit; from the near to the far plane of the camera.
-Ray camera_ray(const Camera& camera, int width, int height, Vec2 position);
+/// What one camera sample draws.
+struct CameraSample {
+  Vec2 film;        ///< pixels from the top left
+  Vec2 lens{};      ///< on the unit disc; the centre for pinholes
+  double time = 0;  ///< in the shutter's interval; 0 for cameras that stand
+};
+
+/// Sample k of a pixel: film as above; the lens jittered in a grid of as many cells, the time in as many parts of the
+/// shutter's interval, which random permutations of the pixel's pair with the cells of the film.
+CameraSample camera_sample(const Camera& camera, int width, std::uint64_t pixel, int k, int spp, RandomKey key);
+
+/// Where on the lens the sample's path begins, world space, at the sample's time.
+Vec3 lens_point(const Camera& camera, const CameraSample& sample);
+
+/// Ray from there to the point of the focus plane that the film position shows; direction unit; from the near to the
+/// far plane of the camera.
+Ray camera_ray(const Camera& camera, int width, int height, const CameraSample& sample);
 
 /// The receiver as a path vertex again (BSDF rebuilt), for next-event and residual estimates.
 Vertex receiver_vertex(const World& world, const Receivers& receivers, std::size_t i);

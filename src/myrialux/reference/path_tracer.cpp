@@ -90,17 +90,18 @@ namespace {
 void trace_sample(const World& world, const ReceiverParams& params, std::size_t sample, std::size_t k, PathSamples& out,
                   PathCounters& rays) {
   const auto spp = static_cast<std::size_t>(params.spp);
-  const Vec2 position =
-      film_position(params.width, sample / spp, static_cast<int>(sample % spp), params.spp, params.key);
-  const Ray ray = camera_ray(world.scene.camera, params.width, params.height, position);
+  const Camera& camera = world.scene.camera;
+  const CameraSample drawn =
+      camera_sample(camera, params.width, sample / spp, static_cast<int>(sample % spp), params.spp, params.key);
+  const Ray ray = camera_ray(camera, params.width, params.height, drawn);
   Rng rng(params.key, Stage::path, sample);
-  out.samples.position[k] = position;
+  out.samples.position[k] = drawn.film;
   FirstHit first;
   out.radiance[k] = path_radiance(world, ray, 0, rng, rays, &first);
   if (!first.any) return;
   out.samples.albedo[k] = first.albedo;
   out.samples.normal[k] = first.n;
-  out.samples.depth[k] = length(first.p - world.scene.camera.to_world.point({}));
+  out.samples.depth[k] = length(first.p - lens_point(camera, drawn));
 }
 
 }  // namespace

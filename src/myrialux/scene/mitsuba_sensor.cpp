@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "myrialux/math/rigid_motion.h"
 #include "myrialux/scene/mitsuba_reader.h"
 #include "myrialux/scene/text.h"
 
@@ -16,7 +17,9 @@ void read_film(Reader& in, const Object& object);
 void read_filter(Reader& in, const Object& object);
 void read_sampler(Reader& in, const Object& object);
 double horizontal_fov_deg(Fields& fields, const FilmDescription& film);
-void check_camera_scale(Fields& fields, const Transform& to_world);
+void read_lens(Fields& fields, Camera& camera);
+void read_placement(Fields& fields, Camera& camera);
+void check_camera_scale(Fields& fields, const TextPosition& at, const Transform& to_world);
 
 }  // namespace
 
@@ -35,15 +38,15 @@ void read_sensor(Reader& in, const Object& object) {
     if (part.tag == "sampler" && only_once(has_sampler)) read_sampler(in, part);
     if (part.tag == "medium") read_medium(in, part);
   }
-  if (object.type != "perspective") {
-    report_type(in, object, {"perspective"},
-                {"thinlens", "orthographic", "telecentric", "spherical", "batch", "distant", "radiancemeter",
-                 "fluencemeter", "irradiancemeter", "radianceprobe", "hdistant", "mdistant", "perspective_rdist"});
+  const bool has_lens = object.type == "thinlens";
+  if (!has_lens && object.type != "perspective") {
+    report_type(in, object, {"perspective", "thinlens"},
+                {"orthographic", "telecentric", "spherical", "batch", "distant", "radiancemeter", "fluencemeter",
+                 "irradiancemeter", "radianceprobe", "hdistant", "mdistant", "perspective_rdist"});
     return;
   }
   Camera& camera = in.scene.camera;
-  camera.to_world = fields.transform("to_world");
-  check_camera_scale(fields, camera.to_world);
+  read_placement(fields, camera);
   camera.fov_x_deg = static_cast<float>(horizontal_fov_deg(fields, in.scene.film));
   camera.principal_x = static_cast<float>(fields.number("principal_point_offset_x", 0, {-100, 100}));
   camera.principal_y = static_cast<float>(fields.number("principal_point_offset_y", 0, {-100, 100}));
@@ -53,8 +56,7 @@ void read_sensor(Reader& in, const Object& object) {
   if (!(camera.far_clip > camera.near_clip))
     fields.error("far_clip",
                  fmt::format("far clip {} must exceed near clip {}", show(camera.far_clip), show(camera.near_clip)));
-  if (fields.number("shutter_open", 0) != fields.number("shutter_close", 0))
-    in.found.warning(fields.at("shutter_close"), "the shutter changes nothing: nothing moves");
+  if (has_lens) read_lens(fields, camera);
   fields.ignore({"focus_distance", "srf"});
   fields.finish();
 }
@@ -112,15 +114,61 @@ double horizontal_fov_deg(Fields& fields, const FilmDescription& film) {
   return 2 * std::atan(half_x) / radians;
 }
 
-void check_camera_scale(Fields& fields, const Transform& to_world) {
+void read_lens(Fields& fields, Camera& camera) {
+  if (!fields.has("aperture_radius"))
+    fields.error("aperture_radius", "sensor \"thinlens\" needs an aperture_radius, 0 and above (scene units)");
+  camera.aperture_radius = static_cast<float>(fields.number("aperture_radius", 0, {0, 1e30, false, "0 and above"}));
+  const Range positive{0, 1e30, true, "greater than 0"};
+  camera.focus_distance =
+      static_cast<float>(fields.number("focus_distance", static_cast<double>(camera.far_clip), positive));
+}
+
+/// Where the camera stands, or its keyframes and shutter; then to_world is the middle of what the shutter shows.
+void read_placement(Fields& fields, Camera& camera) {
+  camera.shutter_open = fields.number("shutter_open", 0), camera.shutter_close = fields.number("shutter_close", 0);
+  if (camera.shutter_close < camera.shutter_open)
+    fields.error("shutter_close",
+                 fmt::format("the shutter closes at {} but opens at {}; allowed: the same time or later",
+                             show(camera.shutter_close), show(camera.shutter_open)));
+  const Property* property = fields.property("to_world");
+  const Animation* animation = property ? std::get_if<Animation>(&property->value) : nullptr;
+  if (!animation) {
+    camera.to_world = fields.transform("to_world");
+    check_camera_scale(fields, fields.at("to_world"), camera.to_world);
+    if (camera.shutter_close > camera.shutter_open)
+      fields.found().warning(fields.at("shutter_close"), "the shutter changes nothing: nothing moves");
+    return;
+  }
+  const Animation::Key& first = animation->keys.front();
+  if (animation->keys.size() == 1)
+    fields.found().error(first.at, "the only keyframe of an animation; allowed: two and more");
+  for (const Animation::Key& key : animation->keys) {
+    check_camera_scale(fields, key.at, key.to_world);
+    if (!camera.motion.empty() && !(key.time > camera.motion.back().time))
+      fields.found().error(key.at, fmt::format("keyframe of time {} after that of time {}; allowed: times that rise",
+                                               show(key.time), show(camera.motion.back().time)));
+    if (key.to_world.determinant3() * first.to_world.determinant3() < 0)
+      fields.found().error(key.at, "one keyframe is mirrored, the first is not, or the reverse; allowed: all or none");
+    camera.motion.push_back({key.time, key.to_world});
+  }
+  camera.to_world = camera.at(0.5 * (camera.shutter_open + camera.shutter_close));
+  if (camera.shutter_close == camera.shutter_open)
+    fields.found().warning(property->at, fmt::format("the camera is seen where it stands at time {} only: the shutter "
+                                                     "opens and closes then",
+                                                     show(camera.shutter_open)));
+}
+
+void check_camera_scale(Fields& fields, const TextPosition& at, const Transform& to_world) {
   const auto& m = to_world.rows();
   for (int c = 0; c < 3; ++c)
     if (const double length = std::sqrt(m[c] * m[c] + m[4 + c] * m[4 + c] + m[8 + c] * m[8 + c]);
         std::abs(length - 1) > 1e-3) {
-      fields.error("to_world",
-                   fmt::format("the camera is scaled by {}; allowed: rotations, translations, mirrors", show(length)));
+      fields.found().error(
+          at, fmt::format("the camera is scaled by {}; allowed: rotations, translations, mirrors", show(length)));
       return;
     }
+  if (rigidity_error(to_world) > 5e-3)
+    fields.found().error(at, "the camera is sheared; allowed: rotations, translations, mirrors");
 }
 
 void read_film(Reader& in, const Object& object) {

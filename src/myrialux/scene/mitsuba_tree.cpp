@@ -49,6 +49,7 @@ class TreeReader {
   void read_object(Object& owner, const pugi::xml_node& node, const File& file);
   void read_include(Object& owner, const pugi::xml_node& node, const File& file);
   void substitute(pugi::xml_node node, const File& file);
+  void substitute_within(const pugi::xml_node& node, const File& file);
   std::string substitute(const std::string& text, const TextPosition& at);
   void remember(const std::string& id, Object* object, const TextPosition& at);
   void link();
@@ -165,9 +166,7 @@ void TreeReader::read_children(Object& owner, const pugi::xml_node& node, const 
     } else if (is_in(kObjectTags)) {
       read_object(owner, child, file);
     } else if (is_property_tag(tag)) {
-      // transforms and typed spectra have children of their own, which name parameters too
-      for (pugi::xml_node part : child.children())
-        if (part.type() == pugi::node_element) substitute(part, file);
+      substitute_within(child, file);
       PropertyContext context{file.old_names, [&](const pugi::xml_node& n) { return file.at(n); }, found_};
       if (std::optional<Property> property = read_property(child, context)) {
         if (!property->name.empty()) {
@@ -175,6 +174,12 @@ void TreeReader::read_children(Object& owner, const pugi::xml_node& node, const 
             if (other.name == property->name)
               found_.error(property->at, fmt::format("property \"{}\" is given twice; first at {}", property->spelled,
                                                      to_string(other.at)));
+        }
+        if (const auto* animation = std::get_if<Animation>(&property->value); animation && owner.tag != "sensor") {
+          found_.unsupported(
+              property->at,
+              fmt::format("a moving {} cannot be rendered yet; allowed: <animation> in a sensor", owner.tag));
+          property->value = Transform(animation->keys.front().to_world);
         }
         owner.properties.push_back(std::move(*property));
       }
@@ -278,6 +283,16 @@ void TreeReader::substitute(pugi::xml_node node, const File& file) {
     const std::string text = a.value();
     if (text.find('$') != std::string::npos) a.set_value(substitute(text, file.at(node)).c_str());
   }
+}
+
+/// Transforms, animations and typed spectra have elements of their own, which name parameters too.
+void TreeReader::substitute_within(const pugi::xml_node& node, const File& file) {
+  for (pugi::xml_node part : node.children())
+    if (part.type() == pugi::node_element) {
+      substitute(part, file);
+      for (pugi::xml_node step : part.children())
+        if (step.type() == pugi::node_element) substitute(step, file);
+    }
 }
 
 std::string TreeReader::substitute(const std::string& text, const TextPosition& at) {

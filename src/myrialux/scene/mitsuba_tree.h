@@ -27,7 +27,17 @@ struct ColorValue {
   std::vector<std::pair<double, double>> samples;  ///< wavelength in nm, value; wavelengths rise
 };
 
-using Value = std::variant<double, std::int64_t, bool, std::string, Vec3, Transform, ColorValue>;
+/// Placements over time, one at least, as the file has them.
+struct Animation {
+  struct Key {
+    double time = 0;
+    Transform to_world;
+    TextPosition at;
+  };
+  std::vector<Key> keys;
+};
+
+using Value = std::variant<double, std::int64_t, bool, std::string, Vec3, Transform, ColorValue, Animation>;
 
 struct Property {
   std::string name;     ///< snake_case

@@ -13,8 +13,8 @@ namespace myrialux::mitsuba {
 
 namespace {
 
-const std::vector<std::string> kPropertyTags = {"float", "integer",  "boolean", "string",    "vector",   "point",
-                                                "rgb",   "spectrum", "srgb",    "blackbody", "transform"};
+const std::vector<std::string> kPropertyTags = {"float", "integer",  "boolean", "string",    "vector",    "point",
+                                                "rgb",   "spectrum", "srgb",    "blackbody", "transform", "animation"};
 const std::vector<std::string> kTransformTags = {"translate", "rotate", "scale", "lookat", "matrix"};
 
 /// One property element and what is known about it.
@@ -35,6 +35,7 @@ std::optional<ColorValue> read_rgb(const Reader& in);
 std::optional<ColorValue> read_spectrum(const Reader& in);
 std::optional<ColorValue> read_typed_spectrum(const Reader& in);
 std::optional<Transform> read_transform(const Reader& in);
+std::optional<Animation> read_animation(const Reader& in);
 
 }  // namespace
 
@@ -78,7 +79,11 @@ std::optional<Value> read_value(const Reader& in) {
     in.check_attributes({"name", "value", "x", "y", "z"});
     return as_value(read_xyz(in, 0));
   }
-  if (in.tag == "transform") return as_value(read_transform(in));
+  if (in.tag == "transform") {
+    in.check_attributes({"name"});
+    return as_value(read_transform(in));
+  }
+  if (in.tag == "animation") return as_value(read_animation(in));
   if (in.tag == "rgb" || in.tag == "srgb") return as_value(read_rgb(in));
   if (in.tag == "spectrum") return as_value(in.has("type") ? read_typed_spectrum(in) : read_spectrum(in));
   if (in.tag == "blackbody") return as_value(read_spectrum(in));
@@ -284,7 +289,6 @@ std::optional<Transform> read_step(const Reader& in) {
 
 /// The product of the steps; the first one is applied first.
 std::optional<Transform> read_transform(const Reader& in) {
-  in.check_attributes({"name"});
   Transform transform;
   bool is_good = true;
   for (const pugi::xml_node& child : in.node.children()) {
@@ -306,6 +310,33 @@ std::optional<Transform> read_transform(const Reader& in) {
                fmt::format("transform \"{}\" cannot be inverted; allowed: scales that are not 0", in.text("name"))),
            std::nullopt;
   return transform;
+}
+
+std::optional<Animation> read_animation(const Reader& in) {
+  in.check_attributes({"name"});
+  Animation animation;
+  bool is_good = true;
+  for (const pugi::xml_node& child : in.node.children()) {
+    if (child.type() != pugi::node_element) continue;
+    const Reader key{child, in.context};
+    key.check_attributes({"time"});
+    const std::optional<double> time = parse_number(key.text("time"));
+    std::optional<Transform> to_world;
+    if (key.tag != "transform")
+      key.error(fmt::format("unknown element <{}> in an animation; allowed: transform", key.tag));
+    else if (!time)
+      key.error(fmt::format("<transform> of an animation has time \"{}\"; allowed: a finite number", key.text("time")));
+    else
+      to_world = read_transform(key);
+    if (to_world)
+      animation.keys.push_back({*time, *to_world, in.context.at(child)});
+    else
+      is_good = false;
+  }
+  if (is_good && animation.keys.empty())
+    in.error(in.label() + " is empty; allowed: two <transform time=\"...\"> and more");
+  if (!is_good || animation.keys.empty()) return {};
+  return animation;
 }
 
 }  // namespace

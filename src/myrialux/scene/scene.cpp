@@ -1,9 +1,11 @@
-// Bounds and sizes of a scene.
+// Bounds and sizes of a scene; placement of a moving camera.
 #include "myrialux/scene/scene.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "myrialux/base/assert.h"
+#include "myrialux/math/rigid_motion.h"
 
 namespace myrialux {
 
@@ -42,6 +44,16 @@ std::uint64_t Scene::n_triangles() const {
   }
   for (const Instance& instance : instances) n += of_group[instance.group];
   return n;
+}
+
+Transform Camera::at(double time) const {
+  if (motion.empty()) return to_world;
+  const auto next =
+      std::upper_bound(motion.begin(), motion.end(), time, [](double t, const CameraKey& key) { return t < key.time; });
+  if (next == motion.begin()) return motion.front().to_world;
+  const CameraKey& last = *(next - 1);
+  if (next == motion.end() || last.time == time) return last.to_world;
+  return rigid_between(last.to_world, next->to_world, (time - last.time) / (next->time - last.time));
 }
 
 namespace {

@@ -125,12 +125,26 @@ struct Emitter {
   std::variant<AreaEmitter, ConstantEmitter, EnvmapEmitter, PointEmitter, SpotEmitter, DirectionalEmitter> kind;
 };
 
-/// Pinhole camera: looks along +z of `to_world`, +y up, +x to the left of the picture.
+/// Where a moving camera stands at one time.
+struct CameraKey {
+  double time = 0;
+  Transform to_world;
+};
+
+/// Camera with a thin lens or a pinhole: looks along +z of `to_world`, +y up, +x to the left of the picture.
 struct Camera {
   Transform to_world;
   float fov_x_deg = 45;                    ///< full horizontal angle (loaders convert fov_axis with the film's aspect)
   float principal_x = 0, principal_y = 0;  ///< offset of the principal point, fractions of width and height
   float near_clip = 1e-2f, far_clip = 1e4f;
+  float aperture_radius = 0;      ///< of the lens, scene units; 0: pinhole
+  float focus_distance = 0;       ///< along +z from the lens to the plane that is sharp; 0: unknown, pinholes only
+  std::vector<CameraKey> motion;  ///< two keyframes at least, times rise, all rigid; or none: it stands at `to_world`
+  double shutter_open = 0, shutter_close = 0;  ///< times, as those of the keyframes
+
+  bool moves() const { return !motion.empty() && shutter_close > shutter_open; }
+  /// Placement at a time: a keyframe's own, rigid between two; before the first and after the last it stands still.
+  Transform at(double time) const;
 };
 
 struct FilmDescription {
