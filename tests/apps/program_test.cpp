@@ -139,6 +139,48 @@ TEST_F(Program, ExposureAndCameraReachThePicture) {
   EXPECT_LT(mean({"--fov", "20"}), plain) << "the lamp is out of sight";
 }
 
+TEST_F(Program, LensMotionAndClustersAreToldAsTheyWereUsed) {
+  std::string text = test::room_xml();
+  const auto replace = [&](const std::string& old, const std::string& by) {
+    text.replace(text.find(old), old.size(), by);
+  };
+  replace("<sensor type=\"perspective\">",
+          "<sensor type=\"thinlens\"><float name=\"aperture_radius\" value=\"0.25\"/><float name=\"focus_distance\" "
+          "value=\"4\"/><float name=\"shutter_close\" value=\"2\"/>");
+  replace("<transform name=\"to_world\">", "<animation name=\"to_world\"><transform time=\"0\">");
+  replace("</transform>",
+          "</transform><transform time=\"2\"><rotate y=\"1\" angle=\"180\"/><translate x=\"1\" y=\"1\" z=\"4\"/>"
+          "</transform></animation>");
+  const std::string scene = folder.write("moving.xml", text);
+  const json camera = json::parse(run_program({"info", scene, "--json"}).out)["camera"];
+  EXPECT_EQ(camera["aperture_radius"], 0.25);
+  EXPECT_EQ(camera["focus_distance"], 4);
+  EXPECT_EQ(camera["keyframes"], 2);
+  EXPECT_EQ(camera["shutter"], json({0, 2}));
+  EXPECT_NEAR(camera["origin"][0].get<double>(), 0.5, 1e-6);
+
+  const auto parameters = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = {"render",     scene,  "-o",      folder.file("a.exr"),
+                                    "--spp",      "2",    "--vpls",  "100",
+                                    "--progress", "none", "--stats", "-"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome o = run_program(all);
+    EXPECT_EQ(o.exit_code, 0) << o.err;
+    return json::parse(o.out)["parameters"];
+  };
+  const json moving = parameters({"--method", "mdlc"});
+  EXPECT_EQ(moving["myrialux.aperture_radius"], "0.25");
+  EXPECT_EQ(moving["myrialux.focus_distance"], "4");
+  EXPECT_EQ(moving["myrialux.shutter"], "0 2");
+  EXPECT_THAT(moving["myrialux.camera_motion"].get<std::string>(), testing::StartsWith("0: "));
+  EXPECT_EQ(moving["myrialux.clusters"], "10000");
+  const json placed = parameters({"--look-at", "0,1,4,0,1,0", "--aperture", "0", "--method", "lightcuts"});
+  EXPECT_FALSE(placed.contains("myrialux.aperture_radius"));
+  EXPECT_FALSE(placed.contains("myrialux.camera_motion")) << "a camera that is placed stands still";
+  EXPECT_EQ(placed["myrialux.clusters"], "1000");
+  EXPECT_EQ(parameters({"--method", "mdlc", "--clusters", "77"})["myrialux.clusters"], "77");
+}
+
 TEST_F(Program, StoredLightsGiveTheSamePicture) {
   const std::string ply = folder.file("lights.ply");
   for (const bool ascii : {false, true}) {
