@@ -207,8 +207,8 @@ void require_memory(const FrameExtent& frame, std::uint64_t held, std::uint64_t 
   const Parts parts = frame_parts(frame);
   const Bytes needed = std::max(peak, held + parts.sum());
   if (needed <= limit) return;
-  // A repeated run holds a little more or less: the number told is one that will do.
-  const Bytes enough = in_mib(needed + needed / 100) + 1;
+  // A repeated run holds a little more or less: the number told is one that will do, and so are the settings.
+  const Bytes enough = in_mib(needed + needed / 100) + 1, surely_held = held + limit / 100 + kMiB;
   std::string message = fmt::format(
       "about {} MiB are needed but --memory-limit allows {} MiB (scene and program {}, receivers {}, virtual "
       "lights {}, slices {}, film {}, allowance {} MiB); ",
@@ -216,7 +216,7 @@ void require_memory(const FrameExtent& frame, std::uint64_t held, std::uint64_t 
       in_mib(parts.film), in_mib(parts.other));
   if (peak >= limit)
     message += fmt::format("reading the scene alone took {} MiB; give it at least that", in_mib(peak));
-  else if (const auto options = smaller_settings(frame, limit - std::min(limit, held)); !options.empty())
+  else if (const auto options = smaller_settings(frame, limit - std::min(limit, surely_held)); !options.empty())
     message += fmt::format("{} would fit: {}", options.size() > 1 ? "each of these" : "this", fmt::join(options, "; "));
   else
     message +=
