@@ -43,7 +43,7 @@ struct Plan {
 
 void add_arguments(CLI::App& command, BenchOptions& o);
 Plan make_plan(BenchOptions& o);
-nlohmann::ordered_json config_of(const BenchOptions& o, const Plan& plan);
+nlohmann::ordered_json config_of(const BenchOptions& o);
 void run_scene(const BenchOptions& o, const Plan& plan, std::size_t scene, BenchFolder& folder, Reporter& reporter);
 void write_results(const BenchOptions& o, const BenchFolder& folder, Reporter& reporter);
 std::string footer();
@@ -52,7 +52,7 @@ void run(BenchOptions& o, Session& session) {
   session.reporter = make_reporter(o.scene.progress);
   Reporter& reporter = *session.reporter;
   const Plan plan = make_plan(o);
-  BenchFolder folder(o.folder, config_of(o, plan));
+  BenchFolder folder(o.folder, config_of(o));
   if (!folder.records().empty())
     reporter.note(fmt::format("{} runs are in {} already; going on", folder.records().size(), o.folder));
   const ThreadScope threads(thread_count(o.scene));
@@ -183,9 +183,7 @@ Plan make_plan(BenchOptions& o) {
   return plan;
 }
 
-nlohmann::ordered_json config_of(const BenchOptions& o, const Plan& plan) {
-  nlohmann::ordered_json scenes = nlohmann::ordered_json::object();
-  for (std::size_t s = 0; s < plan.names.size(); ++s) scenes[plan.names[s]] = absolute_path(o.scenes[s]);
+nlohmann::ordered_json config_of(const BenchOptions& o) {
   return {{"version", MYRIALUX_VERSION},
           {"size", o.size},
           {"spp", o.frame.spp},

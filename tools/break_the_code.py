@@ -7,7 +7,8 @@ test program that is built with it, and the tests of it that must then fail:
   STALE    the text is not found exactly once, the code no longer compiles, or the tests do not run on sound code
 Exit status 1 if any defect is MISSED or STALE. A first run compiles most of the library (ccache helps the next ones).
 
-usage: tools/break_the_code.py [--list] [-j N] [WORD ...]     WORD: only defects whose file or text contains it
+usage: tools/break_the_code.py [--list | --check] [-j N] [WORD ...]     WORD: only defects whose file or text contains it
+--check builds nothing: it only asks whether every text is still found exactly once.
 """
 import argparse
 import collections
@@ -133,10 +134,10 @@ DEFECTS = [Defect(*d) for d in [
      "ColumnBasis.*"),
     ("columns match where they are not known", "completion/column_basis.cpp",
      "(omega[w] & ~known[w]) == 0", "true", "completion", "ColumnBasis.*"),
-    ("copies are not verified", "completion/bamc.cpp",
-     "if (((column[w] ^ q[w] ^ turn) & pi_[w]) != 0) return false;", "", "completion", "*Bamc*"),
-    ("verification looks at sampled rows again", "completion/bamc.cpp",
-     "checkable_[w] = active[w] & known[w] & ~traced_[w];", "checkable_[w] = active[w] & known[w];", "completion",
+    ("copies are not verified", "completion/adaptive_columns.cpp",
+     "if (((column[w] ^ bits_[w]) & pi_[w]) != 0) return false;", "", "completion", "*Bamc*"),
+    ("verification looks at sampled rows again", "completion/adaptive_columns.cpp",
+     "checkable_[w] = active[w] & known_[w] & ~traced_[w];", "checkable_[w] = active[w] & known_[w];", "completion",
      "*Bamc*"),
     ("runs do not share out their weight", "completion/row_distribution.cpp",
      "add_to_rows(begin, w * 64 + bit, active, kOne / (n_runs * n_in_run));",
@@ -161,6 +162,19 @@ DEFECTS = [Defect(*d) for d in [
      "pipeline", "Pipeline.*"),
     ("predicted memory forgets the receivers themselves", "pipeline/memory.cpp",
      "samples * (kReceiverBytes + kSampleBytes)", "samples * kSampleBytes", "apps", "MemoryLimit.HoldsForSmallFrames"),
+    ("brute force leaves out every other chunk of lights", "methods/brute_force.cpp",
+     "first += kBruteForceColumns", "first += 2 * kBruteForceColumns", "methods", "BruteForce.*"),
+    ("illumination cuts look at the error alone, not at how dark receivers are", "methods/illumination_cut.cpp",
+     "const float limit = error_ * point.colour,", "const float limit = error_,", "methods", "IlluminationCut.*"),
+    ("one visible sample makes a whole pair visible", "visibility/pair_sampler.cpp",
+     "samples.visible == samples.active) {", "samples.visible != 0) {", "visibility", "PairSampler.*"),
+    ("drawn columns do not weigh for those not drawn", "clusters/refined_clusters.cpp",
+     "drawn = {c.column, static_cast<float>(1 / probability)};", "drawn = {c.column, 1};", "clusters",
+     "RefinedClusters.Draws*"),
+    ("elimination leaves leading ones in earlier rows", "completion/gauss_jordan.cpp",
+     "if (test_bit(at(r), lead)) add_to(at(r), row);", "", "completion", "GaussJordan.*:Spans.*"),
+    ("wrong guesses are free", "completion/robust_pca.cpp",
+     "error = r > step ? r - step : r < -step ? r + step : 0;", "error = r;", "completion", "RobustPca.*:MatrixSeparation.*"),
     ("direct light counts fully beside the residual's path", "pipeline/local_light.cpp",
      "/*mis=*/params.residual", "/*mis=*/false", "pipeline", "Pipeline.*"),
 ]]
@@ -213,12 +227,17 @@ def run_tests(defect, limit_s=None):
     return done.returncode == 0, int(passed[1]) if passed else 0, failed
 
 
+def occurrences(tree, defect):
+    path = tree / "src/myrialux" / defect.file
+    return path.read_text().count(defect.old) if path.is_file() else 0
+
+
 def try_defect(defect, limit_s, jobs):
     """(verdict, remark)"""
-    path = TREE / "src/myrialux" / defect.file
-    sound = path.read_text() if path.is_file() else ""
-    if sound.count(defect.old) != 1:
-        return "STALE", f"the text occurs {sound.count(defect.old)} times"
+    path, n = TREE / "src/myrialux" / defect.file, occurrences(TREE, defect)
+    if n != 1:
+        return "STALE", f"the text occurs {n} times"
+    sound = path.read_text()
     path.write_text(sound.replace(defect.old, defect.new))
     try:
         if not build([defect.program], jobs):
@@ -233,6 +252,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("words", nargs="*", metavar="WORD")
     parser.add_argument("--list", action="store_true", help="show the defects and end")
+    parser.add_argument("--check", action="store_true", help="name the defects whose text is not found once, and end")
     parser.add_argument("-j", "--jobs", type=int, default=os.cpu_count())
     options = parser.parse_args()
     chosen = [d for d in DEFECTS if not options.words or any(w in d.file or w in d.what for w in options.words)]
@@ -240,6 +260,12 @@ def main():
         for d in chosen:
             print(f"{d.file:32} {d.what}")
         return 0
+    if options.check:
+        counts = [(occurrences(ROOT, d), d) for d in chosen]
+        for n, d in counts:
+            if n != 1:
+                print(f"STALE   {d.file}: {d.what}: the text occurs {n} times")
+        return 0 if all(n == 1 for n, _ in counts) else 1
     begin = time.monotonic()
     copy_tree()
     configure(sorted({d.program for d in chosen}), options.jobs)
