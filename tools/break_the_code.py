@@ -135,7 +135,8 @@ DEFECTS = [Defect(*d) for d in [
     ("columns match where they are not known", "completion/column_basis.cpp",
      "(omega[w] & ~known[w]) == 0", "true", "completion", "ColumnBasis.*"),
     ("copies are not verified", "completion/adaptive_columns.cpp",
-     "if (((column[w] ^ bits_[w]) & pi_[w]) != 0) return false;", "", "completion", "*Bamc*"),
+     "if (((column[w] ^ bits_[w]) & pi_[w]) != 0) return false;",
+     "if (((column[w] ^ bits_[w]) & pi_[w]) != 0) break;", "completion", "*Bamc*"),
     ("verification looks at sampled rows again", "completion/adaptive_columns.cpp",
      "checkable_[w] = active[w] & known_[w] & ~traced_[w];", "checkable_[w] = active[w] & known_[w];", "completion",
      "*Bamc*"),
@@ -174,7 +175,7 @@ DEFECTS = [Defect(*d) for d in [
     ("elimination leaves leading ones in earlier rows", "completion/gauss_jordan.cpp",
      "if (test_bit(at(r), lead)) add_to(at(r), row);", "", "completion", "GaussJordan.*:Spans.*"),
     ("wrong guesses are free", "completion/robust_pca.cpp",
-     "error = r > step ? r - step : r < -step ? r + step : 0;", "error = r;", "completion", "RobustPca.*:MatrixSeparation.*"),
+     "error = r > step ? r - step : r < -step ? r + step : 0;", "error = r + 0 * step;", "completion", "RobustPca.*:MatrixSeparation.*"),
     ("direct light counts fully beside the residual's path", "pipeline/local_light.cpp",
      "/*mis=*/params.residual", "/*mis=*/false", "pipeline", "Pipeline.*"),
 ]]
