@@ -1,7 +1,7 @@
 #!/bin/sh
 # All methods on eight scenes against brute force, as in docs/reproduction.md: tools/reproduce.sh PROGRAM OUT.
 # Six shared rooms (MYRIALUX_SCENES), a hair ball and a foliage scene (tools/make_scene.py); 640x360, one sample a pixel,
-# 100 000 virtual lights. Some three hours on two cores; a run that was stopped goes on where it was. Ends with the page
+# 100 000 virtual lights. Some two hours on two cores; a run that was stopped goes on where it was. Ends with the page
 # OUT/bench/index.html and the tables of the document.
 set -eu
 program=$(realpath "$1")
@@ -29,8 +29,7 @@ run() {
     --methods "$methods" --budgets "$budgets" "$@"
 }
 for scene in $scenes; do
-  run "$scene" slice-lightcuts,bamc,amc,gauss-jordan 0.25,0.5,1,2 --no-page
-  run "$scene" matrix-separation 0.25,1 --no-page
+  run "$scene" slice-lightcuts,bamc,amc,gauss-jordan,matrix-separation 0.25,1 --no-page
   run "$scene" lightcuts,illumination-cut,illumination-cut-sampling,lightslice,mdlc 1 --no-page
 done
 run "$scenes" slice-lightcuts 1

@@ -8,6 +8,7 @@
 #include "myrialux/completion/amc.h"
 #include "myrialux/completion/bamc.h"
 #include "myrialux/completion/gauss_jordan.h"
+#include "myrialux/completion/localized.h"
 #include "myrialux/completion/matrix_separation.h"
 #include "support/completion_checks.h"
 
@@ -23,6 +24,7 @@ using test::LoggingEntries;
 struct Method {
   std::string name;
   std::function<CompletionStats(EntrySource&, float share, Rng&, BitMatrix&)> run;
+  bool takes_shares = true;  ///< false: counts
 };
 constexpr float kDefault = -1;
 
@@ -49,6 +51,13 @@ const std::vector<Method>& methods() {
          if (x != kDefault) p.samples = x;
          return complete_separation(s, p, r, v);
        }},
+      {"localized",
+       [](auto& s, float x, auto& r, auto& v) {
+         LocalizedParams p;
+         if (x == 1) p.few = static_cast<std::uint32_t>(s.n_rows());  // whole columns: it never samples all rows
+         return complete_localized(s, p, r, v);
+       },
+       false},
       {"matrix_separation_guesses",
        [](auto& s, float x, auto& r, auto& v) {
          SeparationParams p{.separate = false};
@@ -149,6 +158,7 @@ TEST_P(Completions, MatricesWithoutRowsOrColumnsAreFine) {
 }
 
 TEST_P(Completions, RefuseSharesOutsideTheirRange) {
+  if (!GetParam().takes_shares) GTEST_SKIP() << "no shares among its parameters";
   LoggingEntries source = all_active(BitMatrix(64, 2));
   for (const float share : {0.0f, 1.5f, -0.1f, std::numeric_limits<float>::quiet_NaN()}) {
     try {

@@ -25,7 +25,8 @@ class EntrySource {
     (void)j;
     return {};
   }
-  /// What column j may bring at most, in any unit: the mean of its entries' weights, all visible. 1: nothing is known.
+  /// What column j may bring at most, the mean of its entries' weights, all visible; 1: as much as an average column,
+  /// or nothing is known.
   virtual float energy(std::size_t j) const {
     (void)j;
     return 1;

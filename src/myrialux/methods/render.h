@@ -10,6 +10,7 @@
 #include "myrialux/clusters/cut.h"
 #include "myrialux/completion/amc.h"
 #include "myrialux/completion/bamc.h"
+#include "myrialux/completion/localized.h"
 #include "myrialux/completion/matrix_separation.h"
 #include "myrialux/report/stats.h"
 #include "myrialux/visibility/approximate_radiance.h"
@@ -52,6 +53,8 @@ struct MethodParams {
   SliceParams slices;
   LightTreeParams tree;
   CutParams cut;  ///< its clamp_distance is the clamp of bounds and shading alike
+  LocalizedParams lbamc;
+  float lbamc_guard = 12;  ///< as bamc_guard
   BamcParams bamc;
   LightSliceParams lightslice;
   bool bamc_cull = true;  ///< -D bamc.cull=false: trace entries whose transfer is zero, too (as published)
@@ -119,6 +122,7 @@ const MethodInfo& find_method(const std::string& name);
 void require_able(const MethodInfo& method, const Scene& scene, const MethodRequest& request,
                   const std::vector<MethodInfo>& all = all_methods());
 
+MethodResult render_lbamc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_bamc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_amc(const FrameView&, const MethodParams&, Progress&, RenderStats&);
 MethodResult render_gauss_jordan(const FrameView&, const MethodParams&, Progress&, RenderStats&);

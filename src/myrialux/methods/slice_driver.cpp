@@ -2,6 +2,7 @@
 #include "myrialux/methods/slice_driver.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "myrialux/base/clock.h"
@@ -56,7 +57,8 @@ class SliceLoop {
   std::vector<SliceReport> reports_;  ///< by slice
   std::vector<BitMatrix> pilot_;      ///< true bits of the pilot's slices
   std::size_t first_pilot_ = 0;
-  float guess_limit_ = 0;  ///< weight of an entry, radiance; 0: all may be guessed
+  float mean_radiance_ = 0;  ///< of the pilot, beta included; 0: no pilot
+  float guess_limit_ = 0;    ///< weight of an entry, radiance; 0: all may be guessed
 };
 
 /// Lightcuts' choice: each slice refines the tree where its own bounds are largest.
@@ -123,7 +125,8 @@ void SliceLoop::run_pilot(Progress& progress) {
       sum += luminance(frame_.receivers.beta[index(i)] * result.radiance[index(i)]);
       n_rows += 1;
     }
-  guess_limit_ = method_.guard * static_cast<float>(sum / n_rows);
+  mean_radiance_ = static_cast<float>(sum / n_rows);
+  guess_limit_ = method_.guard * mean_radiance_;
 }
 
 void SliceLoop::run(Progress& progress) {
@@ -177,11 +180,23 @@ void SliceLoop::shade(std::size_t s, std::span<const Column> columns, const BitM
   }
 }
 
+/// Divides by what an average column brings: by the mean of all without a picture's mean.
+void scale_to_mean(std::span<float> energies, float picture_mean) {
+  double sum = picture_mean;
+  if (picture_mean <= 0) sum = std::accumulate(energies.begin(), energies.end(), 0.0);
+  if (!(sum > 0)) return;
+  const float scale = static_cast<float>(static_cast<double>(energies.size()) / sum);
+  for (float& e : energies) e *= scale;
+}
+
 /// Tells the source what the method wants to know of columns and entries.
 void SliceLoop::prepare(std::size_t s, std::span<const Column> columns, SliceVisibility& source) {
-  if (method_.energies)
-    source.set_energies(column_energies(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, columns,
-                                        params_.cut.clamp_distance));
+  if (method_.energies) {
+    std::vector<float> energies = column_energies(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights,
+                                                  columns, params_.cut.clamp_distance);
+    scale_to_mean(energies, mean_radiance_);
+    source.set_energies(std::move(energies));
+  }
   if (guess_limit_ <= 0) return;
   source.require(heavy_entries(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, tree_, columns,
                                source.active_matrix(), params_.cut.clamp_distance, guess_limit_));

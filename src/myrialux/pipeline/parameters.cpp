@@ -141,8 +141,43 @@ void add_separation_keys(std::vector<Key>& table) {
       [](P & p) -> auto& { return p.method.separation.iterations; }));
 }
 
+void add_localized_keys(std::vector<Key>& table) {
+  using P = TunedParams;
+  table.push_back(count_key(
+      "lbamc.first_samples", 1, 65536, "rows of a column traced first, spread over its blocks",
+      [](P & p) -> auto& { return p.method.lbamc.first_samples; }));
+  table.push_back(count_key(
+      "lbamc.samples", 1, 65536, "rows of an average column in all; half for dim ones, twice for bright ones",
+      [](P & p) -> auto& { return p.method.lbamc.samples; }));
+  table.push_back(number_key(
+      "lbamc.dim", 0, 1e30f, "energy below which a column is dim; 1: as an average column of the picture",
+      [](P & p) -> auto& { return p.method.lbamc.dim; }));
+  table.push_back(number_key(
+      "lbamc.bright", 0, 1e30f, "energy above which a column is bright",
+      [](P & p) -> auto& { return p.method.lbamc.bright; }));
+  table.push_back(number_key(
+      "lbamc.whole", 0, 1e30f, "energy above which a column is traced whole",
+      [](P & p) -> auto& { return p.method.lbamc.whole; }));
+  table.push_back(count_key(
+      "lbamc.few", 0, 65536, "columns of no more active rows are traced whole",
+      [](P & p) -> auto& { return p.method.lbamc.few; }));
+  table.push_back(count_key(
+      "lbamc.memory", 1, 65536, "completed columns that a column is compared with",
+      [](P & p) -> auto& { return p.method.lbamc.memory; }));
+  table.push_back(count_key(
+      "lbamc.flood", 0, 64, "nearest blocks traced besides one that is not as predicted",
+      [](P & p) -> auto& { return p.method.lbamc.flood; }));
+  table.push_back(number_key(
+      "lbamc.copy_mixed", 0, 1e30f, "energy below which partly visible blocks are copied, too",
+      [](P & p) -> auto& { return p.method.lbamc.copy_mixed; }));
+  table.push_back(number_key(
+      "lbamc.guard", 0, 1e30f, "entries above this many times the picture's mean are always traced; 0: none",
+      [](P & p) -> auto& { return p.method.lbamc_guard; }));
+}
+
 void add_completion_keys(std::vector<Key>& table) {
   using M = MethodParams;
+  add_localized_keys(table);
   add_rate_keys(
       table, "bamc", [](TunedParams & p) -> auto& { return p.method.bamc; });
   add_entry_keys(

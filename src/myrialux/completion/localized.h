@@ -1,0 +1,38 @@
+// Localized completion: rows in blocks of 16, each block of a column copied from the column that looks most alike or
+// traced whole, so that rays travel in packets of neighbours. Ours, from the wrong blocks of [wang20, figure 8].
+#pragma once
+
+#include <cstdint>
+
+#include "myrialux/base/rng.h"
+#include "myrialux/completion/completion_stats.h"
+#include "myrialux/matrix/entry_source.h"
+
+namespace myrialux {
+
+/// Energies are those of the source: 1 is what an average column brings. Why these values: docs/visibility.md.
+struct LocalizedParams {
+  std::uint32_t first_samples = 16;  ///< rows of a column looked at first, in as many blocks; >= 1
+  std::uint32_t samples = 32;        ///< of columns of average energy in all; half of it below `dim`, twice above `bright`
+  float dim = 0.5f, bright = 2;
+  float whole = 24;            ///< columns of more energy are traced whole
+  std::uint32_t few = 64;      ///< columns of no more active rows are traced whole
+  std::uint32_t memory = 64;   ///< completed columns that a column is compared with; >= 1
+  std::uint32_t flood = 4;     ///< nearest blocks that are traced, too, where a traced block is not as predicted
+  float copy_mixed = 0.3f;     ///< columns of less energy have mixed blocks copied, not traced
+};
+
+/// Fills `visible` (n_rows x n_columns, all 0 at entry): traced bits as traced, others copied; inactive bits are 0. No
+/// entry is asked for twice. Column after column:
+///  1. A column of great energy or few active rows is traced whole, and so is the first.
+///  2. A few rows are traced, spread evenly over the blocks, other ones from column to column. If all agree and the
+///     nearest remembered column is uniform and of their value, the column becomes uniform.
+///  3. Otherwise more rows are traced, by energy, and the nearest column (least Hamming distance) is the prediction.
+///  4. Blocks that are mixed in it, that it does not know or that a sample contradicts are traced; where one is not in
+///     the state that was predicted (visible, occluded, mixed), its nearest blocks are traced in turn.
+///  5. The others are copied; uniform ones are so in all their rows.
+/// Groups of columns are not told apart: the nearest column is found wherever it is.
+/// @throws Error (usage) for counts of 0 where >= 1 is asked for, negative energies
+CompletionStats complete_localized(EntrySource& source, const LocalizedParams& params, Rng& rng, BitMatrix& visible);
+
+}  // namespace myrialux
