@@ -25,7 +25,6 @@ are relative RMSE of luminance; up to `clusters` over the picture's mean with th
 import argparse
 import csv
 import json
-import math
 import pathlib
 import resource
 import subprocess
@@ -34,6 +33,8 @@ import tempfile
 
 import numpy as np
 import OpenEXR
+
+from bench_table import at_error
 
 
 def render(program, scene, method, folder, *options):
@@ -194,19 +195,6 @@ def completion_time(args, folder):
                     cells.append(f"{t['complete']:.2f} + {t['visibility']:.2f}")
                 print(f"| {scene.parent.name} | {method} | {' | '.join(cells)} |", flush=True)
         print()
-
-
-def at_error(curve, error):
-    """Seconds at an error, straight between the points (error, seconds) on logarithmic axes; a curve's best times count."""
-    best = []
-    for e, t in sorted(curve, key=lambda point: point[1]):
-        if not best or e < best[-1][0]:
-            best.append((e, t))
-    for (e0, t0), (e1, t1) in zip(best, best[1:]):
-        if e1 <= error <= e0:
-            x = math.log(e0 / error) / math.log(e0 / e1)
-            return t0 * (t1 / t0) ** x
-    return best[0][1] if error >= best[0][0] else None
 
 
 def speedups(args, folder):

@@ -14,6 +14,9 @@
 namespace myrialux {
 namespace {
 
+/// Columns that the running mean of contradictions looks back on.
+constexpr float kColumnsOfDoubt = 64;
+
 /// The nearest other blocks of each block, by the middles of their rows; in the order of the blocks where the source
 /// knows of no points.
 class BlockNeighbours {
@@ -51,16 +54,22 @@ class LocalizedCompletion {
  private:
   void complete_column(std::size_t j);
   void trace_whole(std::size_t j);
+  void try_traced_column(std::size_t j);
+  void list_active_blocks(std::size_t j);
   void begin_column(std::size_t j);
-  void sample(std::size_t j, std::size_t count);
+  void want_block(std::size_t j, std::uint32_t b);
+  void want_row(std::size_t j, std::uint32_t b);
+  bool has_sample(std::size_t b) const;
+  void choose_rows(std::size_t j, std::size_t count);
+  void sample(std::size_t j, std::size_t count, float great);
+  void update_doubt(std::size_t j, Words samples);
   void trace_wanted(std::size_t j);
   bool samples_agree(std::size_t j) const;
   bool is_uniform(std::size_t q, bool value) const;
   void predict(std::size_t q);
-  void trace_doubtful_blocks(std::size_t j, bool copy_mixed);
+  void trace_doubtful_blocks(std::size_t j);
   void spread_doubt();
   void copy_others(std::size_t j);
-  std::size_t samples_for(float energy) const;
 
   EntrySource& source_;
   const LocalizedParams params_;
@@ -69,6 +78,7 @@ class LocalizedCompletion {
   const BlockNeighbours neighbours_;
   RememberedColumns remembered_;
   std::uint32_t turn_;  ///< turns samples over the rows, on and on from column to column
+  float doubt_ = 0;     ///< running mean of the share of samples that contradict
   CompletionStats stats_;
 
   // Of the column at hand.
@@ -77,6 +87,8 @@ class LocalizedCompletion {
   std::vector<std::uint32_t> active_blocks_;    ///< those with active rows, ascending
   BlockMask sees_, misses_;                     ///< blocks predicted to have visible, occluded rows; both: mixed
   BlockMask active_;                            ///< active_blocks_ as a mask
+  std::vector<float> energies_;                 ///< by block
+  BlockMask bright_;                            ///< blocks above copy_mixed
   BlockMask doubtful_, done_, changed_;         ///< to be traced next; traced; traced and not in the state predicted
 };
 
@@ -96,6 +108,8 @@ LocalizedCompletion::LocalizedCompletion(EntrySource& source, const LocalizedPar
       sees_(n_blocks_),
       misses_(n_blocks_),
       active_(n_blocks_),
+      energies_(n_blocks_),
+      bright_(n_blocks_),
       doubtful_(n_blocks_),
       done_(n_blocks_),
       changed_(n_blocks_) {}
@@ -111,23 +125,25 @@ void LocalizedCompletion::complete_column(std::size_t j) {
   if (n_active == 0) return;
   stats_.entries += n_active;
   std::fill(traced_.begin(), traced_.end(), 0);
-  const float energy = source_.energy(j);
-  if (n_active <= params_.few || energy > params_.whole || remembered_.empty()) return trace_whole(j);
+  if (n_active <= params_.few || remembered_.empty()) return trace_whole(j);
+
+  if (doubt_ > params_.doubt) return try_traced_column(j);
 
   // A few rows tell which column this one is like; where all is of one kind, they are enough.
   begin_column(j);
-  sample(j, params_.first_samples);
+  sample(j, params_.first_samples, params_.settle);
   NearestColumn nearest = remembered_.nearest(visible_.column(j), traced_);
   const bool settled =
       nearest.distance == 0 && samples_agree(j) && is_uniform(nearest.column, count_bits(visible_.column(j)) > 0);
-  if (!settled && samples_for(energy) > params_.first_samples) {
-    sample(j, samples_for(energy) - params_.first_samples);
+  if (!settled) {
+    sample(j, params_.samples - std::min(params_.samples, params_.first_samples), params_.watch);
     nearest = remembered_.nearest(visible_.column(j), traced_);
   }
 
   // Blocks are copied where nothing speaks against it.
   predict(nearest.column);
-  trace_doubtful_blocks(j, energy < params_.copy_mixed);
+  update_doubt(j, traced_);
+  trace_doubtful_blocks(j);
   copy_others(j);
   remembered_.add(visible_.column(j), active);
 }
@@ -140,44 +156,88 @@ void LocalizedCompletion::trace_whole(std::size_t j) {
   remembered_.add(visible_.column(j), active);
 }
 
-/// Lists the active blocks and traces what must be traced.
-void LocalizedCompletion::begin_column(std::size_t j) {
+/// Traces a column whole and sees how far copies of others would have been wrong.
+void LocalizedCompletion::try_traced_column(std::size_t j) {
+  const Words active = source_.active(j);
+  list_active_blocks(j);
+  choose_rows(j, params_.samples);
+  const std::vector<std::uint64_t> samples = wanted_;
+  std::copy(active.begin(), active.end(), wanted_.begin());
+  trace_wanted(j);
+  ++stats_.full_columns;
+  predict(remembered_.nearest(visible_.column(j), samples).column);
+  update_doubt(j, samples);
+  remembered_.add(visible_.column(j), active);
+}
+
+/// The share of `samples` in blocks predicted uniform that contradict them enters the running mean.
+void LocalizedCompletion::update_doubt(std::size_t j, Words samples) {
+  const Words column = std::as_const(visible_).column(j);
+  std::size_t n_tested = 0, n_contradict = 0;
+  for (std::size_t w = 0; w < words_; ++w) {
+    const std::uint64_t tested = samples[w] & rows_of_blocks(sees_.four(w) ^ misses_.four(w));
+    n_tested += static_cast<std::size_t>(std::popcount(tested));
+    n_contradict += static_cast<std::size_t>(std::popcount((predicted_[w] ^ column[w]) & tested));
+  }
+  if (n_tested == 0) return;
+  const float share = static_cast<float>(n_contradict) / static_cast<float>(n_tested);
+  doubt_ += (share - doubt_) / kColumnsOfDoubt;
+}
+
+void LocalizedCompletion::list_active_blocks(std::size_t j) {
   const Words active = source_.active(j);
   active_.clear();
   for (std::size_t w = 0; w < words_; ++w) active_.add_four(w, any_in_blocks(active[w]));
   active_blocks_.clear();
   for_each_bit(active_.words(), [&](std::size_t b) { active_blocks_.push_back(static_cast<std::uint32_t>(b)); });
+}
+
+/// Wants what must be traced.
+void LocalizedCompletion::begin_column(std::size_t j) {
+  list_active_blocks(j);
+  source_.block_energies(j, energies_);
   const Words required = source_.required(j);
-  if (required.empty())
-    std::fill(wanted_.begin(), wanted_.end(), 0);
-  else
-    std::copy(required.begin(), required.end(), wanted_.begin());
+  for (std::size_t w = 0; w < words_; ++w) wanted_[w] = required.empty() ? 0 : required[w];
+  for (const std::uint32_t b : active_blocks_)
+    if (energies_[b] > params_.guard) want_block(j, b);
 }
 
-std::size_t LocalizedCompletion::samples_for(float energy) const {
-  if (energy < params_.dim) return params_.samples / 2;
-  return energy > params_.bright ? params_.samples * 2 : params_.samples;
+/// All active rows of a block.
+void LocalizedCompletion::want_block(std::size_t j, std::uint32_t b) {
+  const std::size_t word = b / kBlocksInWord;
+  wanted_[word] |= source_.active(j)[word] & rows_of_blocks(std::uint64_t{1} << b % kBlocksInWord);
 }
 
-/// Traces one row in each of `count` blocks (as many as there are), evenly spaced among the active ones, besides what
-/// is wanted already. Which blocks, and which of their rows, goes on turning.
-void LocalizedCompletion::sample(std::size_t j, std::size_t count) {
-  const Words active = source_.active(j);
+/// Wants one active row of a block.
+void LocalizedCompletion::want_row(std::size_t j, std::uint32_t b) {
+  const std::size_t word = b / kBlocksInWord, shift = b % kBlocksInWord * kRowsInBlock;
+  const std::uint32_t rows = source_.active(j)[word] >> shift & 0xffff;
+  const std::uint32_t from = ((turn_ >> 20) + 7 * b) % kRowsInBlock;  // the first active row from there on, in a ring
+  const std::uint32_t turned = (rows | rows << kRowsInBlock) >> from;
+  const std::uint32_t row = (static_cast<std::uint32_t>(std::countr_zero(turned)) + from) % kRowsInBlock;
+  wanted_[word] |= std::uint64_t{1} << (shift + row);
+}
+
+/// Wants one row in each of `count` active blocks (as many as there are), evenly spaced. Which blocks, and which of
+/// their rows, goes on turning.
+void LocalizedCompletion::choose_rows(std::size_t j, std::size_t count) {
   const std::size_t n = active_blocks_.size(), n_taken = std::min(count, n);
   turn_ += 0x9e3779b9u;  // steps of the golden ratio: every stretch of turns is spread evenly
   const std::uint64_t phase = static_cast<std::uint64_t>(turn_) * n >> 32;
-  for (std::size_t k = 0; k < n_taken; ++k) {
-    const std::uint32_t block = active_blocks_[(phase + k * n / n_taken) % n];
-    const std::size_t word = block / kBlocksInWord, shift = block % kBlocksInWord * kRowsInBlock;
-    const std::uint32_t rows = active[word] >> shift & 0xffff;
-    // The first active row at or after a turning one.
-    const std::uint32_t from = ((turn_ >> 20) + 7 * static_cast<std::uint32_t>(k)) & 15;
-    const std::uint32_t turned = (rows | rows << kRowsInBlock) >> from;
-    const std::uint32_t row = (static_cast<std::uint32_t>(std::countr_zero(turned)) + from) & 15;
-    wanted_[word] |= std::uint64_t{1} << (shift + row);
-  }
+  for (std::size_t k = 0; k < n_taken; ++k) want_row(j, active_blocks_[(phase + k * n / n_taken) % n]);
+}
+
+/// Traces some rows, and one in each block of great energy that has none yet, besides what is wanted already.
+void LocalizedCompletion::sample(std::size_t j, std::size_t count, float great) {
+  choose_rows(j, count);
+  for (const std::uint32_t b : active_blocks_)
+    if (energies_[b] > great && !has_sample(b)) want_row(j, b);
   for (std::size_t w = 0; w < words_; ++w) wanted_[w] &= ~traced_[w];
   trace_wanted(j);
+}
+
+bool LocalizedCompletion::has_sample(std::size_t b) const {
+  return ((traced_[b / kBlocksInWord] | wanted_[b / kBlocksInWord]) >> b % kBlocksInWord * kRowsInBlock & 0xffff) != 0;
 }
 
 /// Traces wanted rows, none of which is traced yet, and forgets what was wanted.
@@ -220,15 +280,18 @@ void LocalizedCompletion::predict(std::size_t q) {
 }
 
 /// Traces blocks as long as one turns out not to be as predicted.
-void LocalizedCompletion::trace_doubtful_blocks(std::size_t j, bool copy_mixed) {
+void LocalizedCompletion::trace_doubtful_blocks(std::size_t j) {
   const Words active = source_.active(j);
   const MutableWords column = visible_.column(j);
   doubtful_.clear();
   done_.clear();
+  bright_.clear();
+  for (const std::uint32_t b : active_blocks_)
+    if (energies_[b] > params_.copy_mixed) bright_.set(b);
   for (std::size_t w = 0; w < words_; ++w) {
     const std::uint64_t sees = sees_.four(w), misses = misses_.four(w), mixed = sees & misses;
     const std::uint64_t contradicted = any_in_blocks((predicted_[w] ^ column[w]) & traced_[w]);
-    const std::uint64_t doubtful = contradicted | ~(sees | misses) | (copy_mixed ? 0 : mixed);
+    const std::uint64_t doubtful = contradicted | ~(sees | misses) | (mixed & bright_.four(w));
     doubtful_.add_four(w, doubtful & active_.four(w));
   }
   while (!doubtful_.empty()) {
@@ -313,8 +376,7 @@ void check_count(const char* name, std::uint32_t value) {
 
 void check_energy(const char* name, float value) {
   if (value >= 0) return;  // false for NaN
-  throw Error(ErrorKind::usage,
-              std::string("lbamc.") + name + ": must not be negative, got " + std::to_string(value));
+  throw Error(ErrorKind::usage, std::string("lbamc.") + name + ": must not be negative, got " + std::to_string(value));
 }
 
 }  // namespace
@@ -323,9 +385,10 @@ CompletionStats complete_localized(EntrySource& source, const LocalizedParams& p
   check_count("first_samples", params.first_samples);
   check_count("samples", params.samples);
   check_count("memory", params.memory);
-  check_energy("dim", params.dim);
-  check_energy("bright", params.bright);
-  check_energy("whole", params.whole);
+  check_energy("watch", params.watch);
+  check_energy("settle", params.settle);
+  check_energy("guard", params.guard);
+  check_energy("doubt", params.doubt);
   check_energy("copy_mixed", params.copy_mixed);
   MYRIALUX_ASSERT(visible.n_rows() == source.n_rows() && visible.n_columns() == source.n_columns());
   if (source.n_rows() == 0) return {};

@@ -10,16 +10,18 @@
 
 namespace myrialux {
 
-/// Energies are those of the source: 1 is what an average column brings. Why these values: docs/visibility.md.
+/// Energies are those of the source's blocks: 1 is the mean of the picture. Why these values: docs/visibility.md.
 struct LocalizedParams {
   std::uint32_t first_samples = 16;  ///< rows of a column looked at first, in as many blocks; >= 1
-  std::uint32_t samples = 32;        ///< of columns of average energy in all; half of it below `dim`, twice above `bright`
-  float dim = 0.5f, bright = 2;
-  float whole = 24;            ///< columns of more energy are traced whole
-  std::uint32_t few = 64;      ///< columns of no more active rows are traced whole
-  std::uint32_t memory = 64;   ///< completed columns that a column is compared with; >= 1
-  std::uint32_t flood = 4;     ///< nearest blocks that are traced, too, where a traced block is not as predicted
-  float copy_mixed = 0.3f;     ///< columns of less energy have mixed blocks copied, not traced
+  std::uint32_t samples = 32;        ///< rows in all where the first do not settle the column
+  float watch = 0.02f;               ///< blocks of more energy get a sample of their own in columns not settled
+  float settle = 0.1f;               ///< the same in all columns
+  float guard = 1;                   ///< blocks of more energy are traced
+  std::uint32_t few = 64;            ///< columns of no more active rows are traced whole
+  std::uint32_t memory = 64;         ///< completed columns that a column is compared with; >= 1
+  std::uint32_t flood = 4;           ///< nearest blocks that are traced, too, where a traced block is not as predicted
+  float copy_mixed = 3e-4f;          ///< mixed blocks of less energy are copied, not traced
+  float doubt = 0.05f;               ///< where a larger share of samples than this contradict, columns are traced whole
 };
 
 /// Fills `visible` (n_rows x n_columns, all 0 at entry): traced bits as traced, others copied; inactive bits are 0. No
@@ -31,7 +33,10 @@ struct LocalizedParams {
 ///  4. Blocks that are mixed in it, that it does not know or that a sample contradicts are traced; where one is not in
 ///     the state that was predicted (visible, occluded, mixed), its nearest blocks are traced in turn.
 ///  5. The others are copied; uniform ones are so in all their rows.
-/// Groups of columns are not told apart: the nearest column is found wherever it is.
+/// How often samples contradict the blocks predicted uniform is the share of wrong copies to be expected. Its running
+/// mean over the last columns is the doubt; while it is large, columns are traced whole at the price of full
+/// visibility, and only go through the motions of the other steps to see whether it still is. Groups of columns are not
+/// told apart: the nearest column is found wherever it is.
 /// @throws Error (usage) for counts of 0 where >= 1 is asked for, negative energies
 CompletionStats complete_localized(EntrySource& source, const LocalizedParams& params, Rng& rng, BitMatrix& visible);
 

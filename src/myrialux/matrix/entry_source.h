@@ -1,6 +1,7 @@
 // Where a completion gets true bits from: traced rays in a render, a known matrix in a test.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -25,11 +26,16 @@ class EntrySource {
     (void)j;
     return {};
   }
-  /// What column j may bring at most, the mean of its entries' weights, all visible; 1: as much as an average column,
-  /// or nothing is known.
+  /// What column j may bring at most, in any unit: the mean of its entries' weights, all visible. 1: nothing is known.
   virtual float energy(std::size_t j) const {
     (void)j;
     return 1;
+  }
+  /// What the entries of each block of 16 rows of column j may bring, all visible; 1: the mean of the picture, from all
+  /// columns together. Where nothing is known, all columns share it evenly. @param energies [blocks]
+  virtual void block_energies(std::size_t j, std::span<float> energies) const {
+    (void)j;
+    std::fill(energies.begin(), energies.end(), 1 / static_cast<float>(n_columns()));
   }
   /// [n_rows], or empty: nothing is known but the order of the rows, in which neighbours are near.
   virtual std::span<const RowPoint> row_points() const { return {}; }

@@ -8,8 +8,7 @@ MethodResult render_lbamc(const FrameView& frame, const MethodParams& params, Pr
   const auto complete = [&](EntrySource& source, Rng& rng, BitMatrix& visible) {
     return complete_localized(source, params.lbamc, rng, visible);
   };
-  return render_slices(frame, params, {.complete = complete, .guard = params.lbamc_guard, .energies = true}, progress,
-                       stats);
+  return render_slices(frame, params, {.complete = complete, .block_energies = true}, progress, stats);
 }
 
 }  // namespace myrialux

@@ -54,7 +54,6 @@ struct MethodParams {
   LightTreeParams tree;
   CutParams cut;  ///< its clamp_distance is the clamp of bounds and shading alike
   LocalizedParams lbamc;
-  float lbamc_guard = 12;  ///< as bamc_guard
   BamcParams bamc;
   LightSliceParams lightslice;
   bool bamc_cull = true;  ///< -D bamc.cull=false: trace entries whose transfer is zero, too (as published)

@@ -2,7 +2,6 @@
 #include "myrialux/methods/slice_driver.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "myrialux/base/clock.h"
@@ -84,7 +83,7 @@ MethodResult render_slices(const FrameView& frame, const MethodParams& params, c
   SliceLoop loop(frame, params, method, slices, tree, method.columns ? method.columns(grouped) : by_light_cut(grouped));
   wall.lap();
   progress.stage("slices", slices.size(), "slices");
-  if (method.guard > 0) loop.run_pilot(progress);
+  if (method.guard > 0 || method.block_energies) loop.run_pilot(progress);
   loop.run(progress);
   loop.add_to_stats(wall.lap(), stats);
   return std::move(loop.result);
@@ -180,23 +179,14 @@ void SliceLoop::shade(std::size_t s, std::span<const Column> columns, const BitM
   }
 }
 
-/// Divides by what an average column brings: by the mean of all without a picture's mean.
-void scale_to_mean(std::span<float> energies, float picture_mean) {
-  double sum = picture_mean;
-  if (picture_mean <= 0) sum = std::accumulate(energies.begin(), energies.end(), 0.0);
-  if (!(sum > 0)) return;
-  const float scale = static_cast<float>(static_cast<double>(energies.size()) / sum);
-  for (float& e : energies) e *= scale;
-}
-
 /// Tells the source what the method wants to know of columns and entries.
 void SliceLoop::prepare(std::size_t s, std::span<const Column> columns, SliceVisibility& source) {
-  if (method_.energies) {
-    std::vector<float> energies = column_energies(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights,
-                                                  columns, params_.cut.clamp_distance);
-    scale_to_mean(energies, mean_radiance_);
-    source.set_energies(std::move(energies));
-  }
+  if (method_.energies)
+    source.set_energies(column_energies(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, columns,
+                                        params_.cut.clamp_distance));
+  if (method_.block_energies && mean_radiance_ > 0)
+    source.set_block_energies(BlockEnergies(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, tree_,
+                                            columns, params_.cut.clamp_distance, mean_radiance_));
   if (guess_limit_ <= 0) return;
   source.require(heavy_entries(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, tree_, columns,
                                source.active_matrix(), params_.cut.clamp_distance, guess_limit_));
@@ -211,6 +201,7 @@ class TracedEntries final : public EntrySource {
   Words active(std::size_t j) const override { return slice_.active(j); }
   Words required(std::size_t j) const override { return slice_.required(j); }
   float energy(std::size_t j) const override { return slice_.energy(j); }
+  void block_energies(std::size_t j, std::span<float> energies) const override { slice_.block_energies(j, energies); }
   std::span<const RowPoint> row_points() const override { return slice_.row_points(); }
   std::size_t n_groups() const override { return slice_.n_groups(); }
   std::size_t group_end(std::size_t g) const override { return slice_.group_end(g); }

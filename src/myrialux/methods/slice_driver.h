@@ -35,7 +35,8 @@ struct SliceMethod {
   float guard = 0;
   /// Prepares the choice of columns, once a frame. Empty: light_cut().
   std::function<ChooseColumns(const SliceFrame&)> columns = {};
-  bool energies = false;  ///< the source tells what columns may bring, 1: an average column of the picture
+  bool energies = false;        ///< the source tells what columns may bring
+  bool block_energies = false;  ///< the source tells what blocks may bring, by the mean of the same pilot
 };
 
 /// Streams the slices: each is cut, traced, completed, shaded and forgotten, so memory does not grow with the frame

@@ -147,17 +147,17 @@ void add_localized_keys(std::vector<Key>& table) {
       "lbamc.first_samples", 1, 65536, "rows of a column traced first, spread over its blocks",
       [](P & p) -> auto& { return p.method.lbamc.first_samples; }));
   table.push_back(count_key(
-      "lbamc.samples", 1, 65536, "rows of an average column in all; half for dim ones, twice for bright ones",
+      "lbamc.samples", 1, 65536, "rows of a column traced in all where the first do not settle it",
       [](P & p) -> auto& { return p.method.lbamc.samples; }));
   table.push_back(number_key(
-      "lbamc.dim", 0, 1e30f, "energy below which a column is dim; 1: as an average column of the picture",
-      [](P & p) -> auto& { return p.method.lbamc.dim; }));
+      "lbamc.watch", 0, 1e30f, "blocks above this many times the picture's mean get a sample of their own",
+      [](P & p) -> auto& { return p.method.lbamc.watch; }));
   table.push_back(number_key(
-      "lbamc.bright", 0, 1e30f, "energy above which a column is bright",
-      [](P & p) -> auto& { return p.method.lbamc.bright; }));
+      "lbamc.settle", 0, 1e30f, "the same in columns that the first samples settle",
+      [](P & p) -> auto& { return p.method.lbamc.settle; }));
   table.push_back(number_key(
-      "lbamc.whole", 0, 1e30f, "energy above which a column is traced whole",
-      [](P & p) -> auto& { return p.method.lbamc.whole; }));
+      "lbamc.guard", 0, 1e30f, "blocks above this many times the picture's mean are traced",
+      [](P & p) -> auto& { return p.method.lbamc.guard; }));
   table.push_back(count_key(
       "lbamc.few", 0, 65536, "columns of no more active rows are traced whole",
       [](P & p) -> auto& { return p.method.lbamc.few; }));
@@ -168,11 +168,11 @@ void add_localized_keys(std::vector<Key>& table) {
       "lbamc.flood", 0, 64, "nearest blocks traced besides one that is not as predicted",
       [](P & p) -> auto& { return p.method.lbamc.flood; }));
   table.push_back(number_key(
-      "lbamc.copy_mixed", 0, 1e30f, "energy below which partly visible blocks are copied, too",
+      "lbamc.copy_mixed", 0, 1e30f, "partly visible blocks below this many times the picture's mean are copied",
       [](P & p) -> auto& { return p.method.lbamc.copy_mixed; }));
   table.push_back(number_key(
-      "lbamc.guard", 0, 1e30f, "entries above this many times the picture's mean are always traced; 0: none",
-      [](P & p) -> auto& { return p.method.lbamc_guard; }));
+      "lbamc.doubt", 0, 1, "share of contradicting samples above which a slice's columns are traced whole",
+      [](P & p) -> auto& { return p.method.lbamc.doubt; }));
 }
 
 void add_completion_keys(std::vector<Key>& table) {

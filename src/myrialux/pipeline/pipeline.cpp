@@ -152,8 +152,8 @@ MemoryGuard::MemoryGuard(const World& world, const Settings& settings) : limit_(
   e.has_slices = e.has_lights && !e.has_pixel_cuts, e.has_cuts = e.has_lights && p.method != "brute-force";
   e.has_packets = p.method == "lightcuts";
   const MethodParams& m = settings.tuned.method;
-  e.has_pilot = (p.method == "lbamc" && m.lbamc_guard > 0) || (p.method == "bamc" && m.bamc_guard > 0) || (p.method == "amc" && m.amc_guard > 0) ||
-                (p.method == "gauss-jordan" && m.gauss_jordan_guard > 0) ||
+  e.has_pilot = p.method == "lbamc" || (p.method == "bamc" && m.bamc_guard > 0) ||
+                (p.method == "amc" && m.amc_guard > 0) || (p.method == "gauss-jordan" && m.gauss_jordan_guard > 0) ||
                 (p.method == "matrix-separation" && m.separation_guard > 0);
   // amc: at most omega of an entry's row takes part in a decomposition in double precision, and its copies.
   // matrix-separation: matrices of floats, and its subspace once the rank is full.

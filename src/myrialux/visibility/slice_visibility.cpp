@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <optional>
 #include <utility>
 
 #include "myrialux/base/clock.h"
@@ -70,6 +71,7 @@ struct SliceVisibility::State {
   BitMatrix active, required;
   std::vector<RowPoint> points;  ///< [n_rows]
   std::vector<float> energies;   ///< [n_columns], or empty
+  std::optional<BlockEnergies> block_energies;
   std::uint64_t rays = 0, packets = 0;
   double wall_in_trace_s = 0;
   Stopwatch wall;
@@ -97,6 +99,7 @@ SliceVisibility::SliceVisibility(const World& world, const Receivers& receivers,
                        .required = {},
                        .points = {},
                        .energies = {},
+                       .block_energies = {},
                        .wall = {},
                        .cpu = {}}) {
   State& s = *state_;
@@ -176,6 +179,15 @@ void SliceVisibility::set_energies(std::vector<float> energies) {
   MYRIALUX_ASSERT(energies.size() == n_columns());
   state_->energies = std::move(energies);
 }
+void SliceVisibility::block_energies(std::size_t j, std::span<float> energies) const {
+  if (state_->block_energies)
+    state_->block_energies->of(j, energies);
+  else
+    EntrySource::block_energies(j, energies);
+}
+void SliceVisibility::set_block_energies(BlockEnergies energies) {
+  state_->block_energies.emplace(std::move(energies));
+}
 std::uint64_t SliceVisibility::rays() const { return state_->rays; }
 std::uint64_t SliceVisibility::packets() const { return state_->packets; }
 
@@ -189,8 +201,8 @@ double SliceVisibility::trace_seconds() const {
 std::size_t SliceVisibility::memory_bytes() const {
   const State& s = *state_;
   return s.blocks.size() * (sizeof(RowBlock) + sizeof(BlockOffsets)) + s.lights.size() * sizeof(ShadowLight) +
-         s.points.size() * sizeof(RowPoint) + s.energies.size() * sizeof(float) +
-         (s.active.n_words() + s.required.n_words()) * sizeof(std::uint64_t);
+         (s.block_energies ? s.block_energies->memory_bytes() : 0) + s.points.size() * sizeof(RowPoint) +
+         s.energies.size() * sizeof(float) + (s.active.n_words() + s.required.n_words()) * sizeof(std::uint64_t);
 }
 
 void SliceVisibility::trace(std::size_t j, Words wanted, MutableWords visible) {

@@ -9,11 +9,12 @@
 #include "myrialux/clusters/cut.h"
 #include "myrialux/matrix/entry_source.h"
 #include "myrialux/trace/tracer.h"
+#include "myrialux/visibility/block_energies.h"
 
 namespace myrialux {
 
 /// Entry source over a slice; rows in slice order, columns as the cut gave them, groups = octants. Keeps no reference
-/// to receivers, lights and columns, only to the tracer. Not shared between threads.
+/// to receivers, lights and columns (but for those of BlockEnergies), only to the tracer. Not shared between threads.
 class SliceVisibility final : public EntrySource {
  public:
   /// @param cull false: all rows of all columns count as active (the published form)
@@ -25,6 +26,7 @@ class SliceVisibility final : public EntrySource {
   Words active(std::size_t j) const override;
   Words required(std::size_t j) const override;
   float energy(std::size_t j) const override;
+  void block_energies(std::size_t j, std::span<float> energies) const override;
   std::span<const RowPoint> row_points() const override;
   std::size_t n_groups() const override;
   std::size_t group_end(std::size_t g) const override;
@@ -34,6 +36,8 @@ class SliceVisibility final : public EntrySource {
   void require(BitMatrix required);
   /// What columns may bring, [n_columns]; all 1 before this call.
   void set_energies(std::vector<float> energies);
+  /// What blocks may bring; nothing is known before this call.
+  void set_block_energies(BlockEnergies energies);
   std::uint64_t rays() const;     ///< shadow rays so far
   std::uint64_t packets() const;  ///< packets they travelled in
   double trace_seconds() const;   ///< CPU seconds this thread spent in trace()

@@ -1,0 +1,190 @@
+// Localized completion: exact where one rule alone decides, and recorded errors on shadow boundaries.
+#include "myrialux/completion/localized.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <limits>
+
+#include "myrialux/base/error.h"
+#include "myrialux/completion/block_masks.h"
+#include "support/completion_checks.h"
+
+namespace myrialux {
+namespace {
+
+using test::all_active;
+using test::all_ones;
+using test::Completed;
+using test::expect_sound;
+using test::LoggingEntries;
+
+Completed complete(EntrySource& source, const LocalizedParams& params = {}, std::uint64_t seed = 1) {
+  Completed c{BitMatrix(source.n_rows(), source.n_columns()), {}};
+  Rng rng({seed}, Stage::visibility, 0);
+  c.stats = complete_localized(source, params, rng, c.visible);
+  return c;
+}
+
+/// The same energy in all blocks of a column, or none.
+class BrightEntries : public LoggingEntries {
+ public:
+  BrightEntries(const KnownEntries& known, std::size_t bright_column, float energy)
+      : LoggingEntries(known), bright_column_(bright_column), energy_(energy) {}
+  void block_energies(std::size_t j, std::span<float> energies) const override {
+    std::fill(energies.begin(), energies.end(), j == bright_column_ ? energy_ : 0.0f);
+  }
+
+ private:
+  std::size_t bright_column_;
+  float energy_;
+};
+
+/// Rows of a patch of 32 x 32 in Z-order, as ShadowScene lays them out.
+class PlacedEntries : public KnownEntries {
+ public:
+  explicit PlacedEntries(const KnownEntries& known) : KnownEntries(known) {
+    for (std::size_t i = 0; i < n_rows(); ++i) {
+      RowPoint p{};
+      for (int bit = 0; bit < 10; ++bit) p[bit % 2] += static_cast<float>((i >> bit & 1) << bit / 2);
+      points_.push_back(p);
+    }
+  }
+  std::span<const RowPoint> row_points() const override { return points_; }
+
+ private:
+  std::vector<RowPoint> points_;
+};
+
+std::size_t traced_in(const LoggingEntries& source, std::size_t j) { return count_bits(source.asked().column(j)); }
+
+TEST(BlockMasks, TellBlocksWithAnyRow) {
+  Rng rng({1}, Stage::test, 0);
+  for (int round = 0; round < 10000; ++round) {
+    std::uint64_t rows = std::uint64_t{rng.next_uint()} << 32 | rng.next_uint();
+    for (int thin = 0; thin < round % 6; ++thin) rows &= std::uint64_t{rng.next_uint()} << 32 | rng.next_uint();
+    std::uint64_t expected = 0;
+    for (std::size_t b = 0; b < kBlocksInWord; ++b)
+      if ((rows >> b * kRowsInBlock & 0xffff) != 0) expected |= std::uint64_t{1} << b;
+    ASSERT_EQ(any_in_blocks(rows), expected) << rows;
+    ASSERT_EQ(any_in_blocks(rows_of_blocks(expected)), expected);
+    ASSERT_EQ(rows & ~rows_of_blocks(expected), 0u);
+  }
+}
+
+TEST(Localized, UniformColumnsCostTheirFirstSamples) {
+  LoggingEntries source = all_active(all_ones(1024, 20));
+  const Completed c = complete(source);
+  expect_sound(source, c);
+  EXPECT_EQ(c.visible, source.truth());
+  EXPECT_EQ(c.stats.traced, 1024 + 19 * 16u);
+  EXPECT_EQ(c.stats.full_columns, 1u);
+}
+
+TEST(Localized, MixedBlocksOfThePredictionAreTraced) {
+  // Half of block 10 is occluded in all columns: each column is its first with that block traced.
+  BitMatrix truth = all_ones(1024, 20);
+  for (std::size_t j = 0; j < 20; ++j) truth.column(j)[2] &= ~(std::uint64_t{0xff} << 32);
+  LoggingEntries source = all_active(truth);
+  EXPECT_EQ(complete(source).visible, truth);
+  EXPECT_EQ(traced_in(source, 0), 1024u);
+  BrightEntries bright(KnownEntries(truth, all_ones(1024, 20)), 5, 0.01f);
+  EXPECT_EQ(complete(bright).visible, truth);
+  EXPECT_EQ(bright.asked().column(5)[2] >> 32 & 0xffff, 0xffffu) << "above copy_mixed: traced";
+  EXPECT_NE(bright.asked().column(6)[2] >> 32 & 0xffff, 0xffffu) << "below: copied";
+}
+
+TEST(Localized, ContradictedBlocksAreTracedAndFloodTheirNeighbours) {
+  // Columns after the tenth lose 8 of 64 blocks in a row: samples meet one of them, the flood finds the others.
+  BitMatrix truth = all_ones(1024, 40);
+  for (std::size_t j = 10; j < 40; ++j) truth.column(j)[4] = truth.column(j)[5] = 0;
+  LoggingEntries source = all_active(truth);
+  const Completed c = complete(source, {.doubt = 1});
+  expect_sound(source, c);
+  EXPECT_EQ(c.visible, truth);
+  EXPECT_LT(c.stats.traced, 1024 + 39 * 32u + 30 * 16u * 16u);
+}
+
+TEST(Localized, BrightBlocksAreSampledOrTraced) {
+  const KnownEntries known(all_ones(1024, 10), all_ones(1024, 10));
+  BrightEntries dim(known, 4, 0.001f), settled(known, 4, 0.2f), guarded(known, 4, 2.0f);
+  for (BrightEntries* source : {&dim, &settled, &guarded}) expect_sound(*source, complete(*source));
+  EXPECT_EQ(traced_in(dim, 4), 16u);
+  EXPECT_EQ(traced_in(settled, 4), 64u) << "one in each block";
+  EXPECT_EQ(traced_in(guarded, 4), 1024u);
+  EXPECT_EQ(traced_in(guarded, 5), 16u);
+}
+
+TEST(Localized, FewRowsAreTracedWhole) {
+  BitMatrix active(1024, 6);
+  for (std::size_t j = 0; j < 6; ++j)
+    for (std::size_t i = 0; i < 64; ++i) active.set(16 * i, j);
+  Rng rng({3}, Stage::test, 0);
+  LoggingEntries source = test::masked(test::random_bits(1024, 6, rng), active);
+  const Completed c = complete(source);
+  EXPECT_EQ(c.visible, source.truth());
+  EXPECT_EQ(c.stats.full_columns, 6u);
+}
+
+TEST(Localized, DoubtTracesWhatCannotBePredicted) {
+  // Each block of each column is visible or not by chance: half of all copies would be wrong.
+  Rng rng({4}, Stage::test, 0);
+  BitMatrix truth(1024, 300);
+  for (std::size_t j = 0; j < 300; ++j)
+    for (std::size_t w = 0; w < 16; ++w) truth.column(j)[w] = rows_of_blocks(rng.below(16));
+  LoggingEntries source = all_active(truth);
+  const Completed c = complete(source);
+  expect_sound(source, c);
+  for (std::size_t j = 20; j < 300; ++j) ASSERT_EQ(traced_in(source, j), 1024u) << j;
+  // And trust comes back.
+  for (std::size_t j = 150; j < 300; ++j)
+    for (std::size_t w = 0; w < 16; ++w) truth.column(j)[w] = ~std::uint64_t{0};
+  LoggingEntries calm = all_active(truth);
+  complete(calm);
+  EXPECT_EQ(traced_in(calm, 149), 1024u);
+  EXPECT_EQ(traced_in(calm, 299), 16u);
+}
+
+TEST(Localized, ShadowsStayInsideTheirRecordedErrors) {
+  struct Recorded {
+    const char* name;
+    test::ShadowScene scene;
+    double wrong, traced;  ///< percent of the active entries: half above what was measured
+  };
+  for (const Recorded& r : {Recorded{"discs", test::two_discs(), 0.48, 50},
+                            {"half-plane", test::half_plane(), 1.84, 25},  // corners that 16 samples miss
+                            {"discs, bumpy rows", test::bumpy(test::two_discs()), 0.22, 50},
+                            {"half-plane, bumpy rows", test::bumpy(test::half_plane()), 0.25, 30}}) {
+    double wrong = 0, traced = 0;
+    for (std::uint64_t item = 0; item < 8; ++item) {
+      Rng make({7}, Stage::test, item);
+      PlacedEntries source(r.scene.entries(make));
+      const Completed c = complete(source, {}, item);
+      wrong += 100 * test::count_wrong(source, c.visible).rate() / 8;
+      traced += 100 * static_cast<double>(c.stats.traced) / static_cast<double>(c.stats.entries) / 8;
+    }
+    EXPECT_LT(wrong, r.wrong) << r.name;
+    EXPECT_LT(traced, r.traced) << r.name;
+    RecordProperty(std::string(r.name) + " wrong", std::to_string(wrong));
+  }
+}
+
+TEST(Localized, RefusesWhatMakesNoSense) {
+  LoggingEntries source = all_active(BitMatrix(64, 2));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const LocalizedParams& p :
+       {LocalizedParams{.first_samples = 0}, LocalizedParams{.samples = 0}, LocalizedParams{.memory = 0},
+        LocalizedParams{.watch = -1}, LocalizedParams{.settle = nan}, LocalizedParams{.guard = -0.1f},
+        LocalizedParams{.copy_mixed = nan}, LocalizedParams{.doubt = -1}}) {
+    try {
+      complete(source, p);
+      FAIL() << "accepted";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::usage);
+      EXPECT_NE(std::string(e.what()).find("lbamc."), std::string::npos) << e.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace myrialux
