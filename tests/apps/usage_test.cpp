@@ -72,7 +72,7 @@ TEST_F(Usage, MistakesExitWith2AndSayWhatIsAllowed) {
       {{"render", room, "-o", folder.file("a.bmp")}, ".exr .png .jpg .jpeg .hdr"},
       {{"render", room, "-o", out, "-o", out}, "named twice"},
       {{"render", room, "-o", out, "--stats", room}, "is read by this command"},
-      {{"render", room, "-o", out, "--method", "bacm"}, "known: bamc"},
+      {{"render", room, "-o", out, "--method", "bacm"}, "known: lbamc, bamc"},
       {{"render", room, "-o", out, "--size", "12"}, "WIDTHxHEIGHT"},
       {{"render", room, "-o", out, "--size", "0x5"}, "each from 1 to"},
       {{"render", room, "-o", out, "--spp", "0"}, "allowed is a whole number from 1"},

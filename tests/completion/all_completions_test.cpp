@@ -157,16 +157,20 @@ TEST_P(Completions, MatricesWithoutRowsOrColumnsAreFine) {
   }
 }
 
-TEST_P(Completions, RefuseSharesOutsideTheirRange) {
-  if (!GetParam().takes_shares) GTEST_SKIP() << "no shares among its parameters";
-  LoggingEntries source = all_active(BitMatrix(64, 2));
-  for (const float share : {0.0f, 1.5f, -0.1f, std::numeric_limits<float>::quiet_NaN()}) {
-    try {
-      complete(source, share);
-      FAIL() << "accepted " << share;
-    } catch (const Error& e) {
-      EXPECT_EQ(e.kind(), ErrorKind::usage);
-      EXPECT_NE(std::string(e.what()).find("must lie in"), std::string::npos) << e.what();
+TEST(CompletionShares, AreRefusedOutsideTheirRange) {
+  for (const Method& method : methods()) {
+    if (!method.takes_shares) continue;
+    LoggingEntries source = all_active(BitMatrix(64, 2));
+    for (const float share : {0.0f, 1.5f, -0.1f, std::numeric_limits<float>::quiet_NaN()}) {
+      BitMatrix visible(64, 2);
+      Rng rng({1}, Stage::visibility, 0);
+      try {
+        method.run(source, share, rng, visible);
+        FAIL() << method.name << " accepted " << share;
+      } catch (const Error& e) {
+        EXPECT_EQ(e.kind(), ErrorKind::usage);
+        EXPECT_NE(std::string(e.what()).find("must lie in"), std::string::npos) << e.what();
+      }
     }
   }
 }

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "myrialux/transfer/transfer.h"
 #include "support/random_room.h"
 
@@ -17,6 +19,7 @@ class BlockEnergiesOf : public ::testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(Gloss, BlockEnergiesOf, ::testing::Bool());
 
 TEST_P(BlockEnergiesOf, MiddleRowsAreBounded) {
+  std::vector<float> ratios;  // of energies and weights between diffuse rows and any lights
   for (const std::size_t n_rows : {1u, 15u, 40u, 300u}) {
     const Room room({.n_receivers = n_rows,
                      .n_lights = 200,
@@ -39,14 +42,15 @@ TEST_P(BlockEnergiesOf, MiddleRowsAreBounded) {
         const Rgb t = transfer(room.world(), room.receivers, i, room.lights, columns[j].light, kClamp);
         const float weight = columns[j].weight * luminance(room.receivers.beta[index(i)] * t) / kUnit;
         EXPECT_GE(energies[b], weight * (1 - 1e-5f)) << "column " << j << ", block " << b;
-        const bool plain = !GetParam() && room.lights.kind[index(columns[j].light)] == LightKind::point;
-        if (plain && weight > 0) {  // the bound is the entry's but for its colours, which may miss each other
-          EXPECT_LT(energies[b], weight * 10) << "column " << j << ", block " << b;
-        }
+        if (!GetParam() && weight > 0) ratios.push_back(energies[b] / weight);
       }
       for (std::size_t b = n_blocks; b < energies.size(); ++b) EXPECT_EQ(energies[b], 0.0f) << "beyond the rows";
     }
   }
+  if (GetParam()) return;
+  // Bounds, but not far off: measured 1.53, mostly for colours that miss each other.
+  std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
+  EXPECT_LT(ratios[ratios.size() / 2], 2.0f);
 }
 
 }  // namespace

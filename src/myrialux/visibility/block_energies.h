@@ -6,7 +6,7 @@
 
 namespace myrialux {
 
-/// Of one slice. Keeps references to world, lights and tree.
+/// Of one slice. Keeps references to lights and tree.
 class BlockEnergies {
  public:
   /// @param clamp_distance as CutParams
@@ -21,7 +21,7 @@ class BlockEnergies {
   std::size_t memory_bytes() const;
 
  private:
-  const World& world_;
+  World world_;
   const VirtualLights& lights_;
   const LightTree& tree_;
   std::vector<Column> columns_;
