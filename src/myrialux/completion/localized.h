@@ -14,8 +14,8 @@ namespace myrialux {
 struct LocalizedParams {
   std::uint32_t first_samples = 16;  ///< rows of a column looked at first, in as many blocks; >= 1
   std::uint32_t samples = 32;        ///< rows in all where the first do not settle the column
-  float watch = 0.02f;               ///< blocks of more energy get a sample of their own in columns not settled
-  float settle = 0.1f;               ///< the same in all columns
+  float watch = 0.005f;              ///< blocks of more energy get a sample of their own in columns not settled
+  float settle = 0.02f;              ///< the same in all columns
   float guard = 1;                   ///< blocks of more energy are traced
   std::uint32_t few = 64;            ///< columns of no more active rows are traced whole
   std::uint32_t memory = 64;         ///< completed columns that a column is compared with; >= 1
