@@ -30,7 +30,9 @@ run() {
 }
 for scene in $scenes; do
   run "$scene" slice-lightcuts,bamc,amc,gauss-jordan,matrix-separation 0.25,1 --no-page
+  run "$scene" slice-lightcuts,bamc 4 --no-page
   run "$scene" lightcuts,illumination-cut,illumination-cut-sampling,lightslice,mdlc 1 --no-page
 done
 run "$scenes" slice-lightcuts 1
 python3 tools/bench_table.py "$out/bench"
+python3 tools/bench_table.py "$out/bench" --against bamc
