@@ -41,8 +41,8 @@ NearestColumn nearest(const BitColumns& columns, std::size_t first, std::span<co
   NearestColumn best{first, ~std::size_t{0}};
   for (std::size_t k = 0, q = first; k < n && best.distance > 0; ++k, q = q == 0 ? n - 1 : q - 1) {
     const std::size_t at = q * columns.words;
-    const std::size_t here = distance(columns.visible.data() + at, columns.known.data() + at, samples.data(),
-                                      omega.data(), columns.words);
+    const std::size_t here =
+        distance(columns.visible.data() + at, columns.known.data() + at, samples.data(), omega.data(), columns.words);
     if (here < best.distance) best = {q, here};
   }
   return best;
