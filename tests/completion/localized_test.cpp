@@ -73,11 +73,11 @@ TEST(BlockMasks, TellBlocksWithAnyRow) {
 }
 
 TEST(Localized, UniformColumnsCostTheirFirstSamples) {
-  LoggingEntries source = all_active(all_ones(1024, 20));
+  LoggingEntries source = all_active(all_ones(1024, 100));
   const Completed c = complete(source);
   expect_sound(source, c);
   EXPECT_EQ(c.visible, source.truth());
-  EXPECT_EQ(c.stats.traced, 1024 + 19 * 16u);
+  EXPECT_EQ(c.stats.traced, 1024 + 99 * 16u);
   EXPECT_EQ(c.stats.full_columns, 1u);
 }
 
