@@ -10,7 +10,7 @@
 
 namespace myrialux {
 
-/// Energies are those of the source's blocks: 1 is the mean of the picture. Why these values: docs/visibility.md.
+/// Energies are those of the source's blocks: 1 is the mean of the picture. Why these values: docs/methods/lbamc.md.
 struct LocalizedParams {
   std::uint32_t first_samples = 16;  ///< rows of a column looked at first, in as many blocks; >= 1
   std::uint32_t samples = 32;        ///< rows in all where the first do not settle the column
@@ -26,10 +26,10 @@ struct LocalizedParams {
 
 /// Fills `visible` (n_rows x n_columns, all 0 at entry): traced bits as traced, others copied; inactive bits are 0. No
 /// entry is asked for twice. Column after column:
-///  1. A column of great energy or few active rows is traced whole, and so is the first.
-///  2. A few rows are traced, spread evenly over the blocks, other ones from column to column. If all agree and the
-///     nearest remembered column is uniform and of their value, the column becomes uniform.
-///  3. Otherwise more rows are traced, by energy, and the nearest column (least Hamming distance) is the prediction.
+///  1. A column of few active rows is traced whole, and so is the first.
+///  2. Blocks of great energy are traced, and a few rows spread evenly over the others, other ones from column to
+///     column. If all agree and the nearest remembered column is uniform and of their value, no more rows are sampled.
+///  3. Otherwise more rows are traced, by energy. The nearest column (least Hamming distance) is the prediction.
 ///  4. Blocks that are mixed in it, that it does not know or that a sample contradicts are traced; where one is not in
 ///     the state that was predicted (visible, occluded, mixed), its nearest blocks are traced in turn.
 ///  5. The others are copied; uniform ones are so in all their rows.
