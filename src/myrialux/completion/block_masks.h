@@ -44,6 +44,7 @@ class BlockMask {
   std::uint64_t& operator[](std::size_t word) { return words_[word]; }
   std::uint64_t operator[](std::size_t word) const { return words_[word]; }
   Words words() const { return words_; }
+  MutableWords words() { return words_; }
 
  private:
   std::vector<std::uint64_t> words_;

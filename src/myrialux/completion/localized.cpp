@@ -3,48 +3,34 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "myrialux/base/error.h"
 #include "myrialux/completion/block_masks.h"
-#include "myrialux/kernels/nearest_bits.h"
+#include "myrialux/completion/block_neighbours.h"
+#include "myrialux/completion/remembered_columns.h"
+#include "myrialux/kernels/above.h"
 
 namespace myrialux {
 namespace {
 
 /// Columns that the running mean of contradictions looks back on.
-constexpr float kColumnsOfDoubt = 64;
+constexpr float kColumnsLookedBack = 64;
 
-/// The nearest other blocks of each block, by the middles of their rows; in the order of the blocks where the source
-/// knows of no points.
-class BlockNeighbours {
- public:
-  BlockNeighbours(const EntrySource& source, std::size_t n_blocks, std::size_t count);
-  std::span<const std::uint32_t> of(std::size_t b) const { return std::span(nearest_).subspan(b * count_, count_); }
+/// Least doubt: what happens in a slice has not been seen often enough to say less.
+constexpr float kLeastDoubt = 1e-3f;
 
- private:
-  std::size_t count_;
-  std::vector<std::uint32_t> nearest_;  ///< [n_blocks * count]
-};
+/// Copies in columns that their first samples settled are wrong by this share as often as in others (measured: a tenth
+/// to a fiftieth).
+constexpr float kSettledDoubt = 0.01f;
 
-/// The completed columns that others are compared with: the last ones, oldest replaced first.
-class RememberedColumns {
- public:
-  RememberedColumns(std::size_t capacity, std::size_t words) : capacity_(capacity), words_(words) {}
-  bool empty() const { return size_ == 0; }
-  void add(Words visible, Words known);
-  NearestColumn nearest(Words samples, Words omega) const {
-    return nearest_column({visible_, known_, words_}, newest_, samples, omega);
-  }
-  Words visible(std::size_t q) const { return Words(visible_).subspan(q * words_, words_); }
-  Words known(std::size_t q) const { return Words(known_).subspan(q * words_, words_); }
-
- private:
-  std::size_t capacity_, words_, size_ = 0, newest_ = 0;
-  std::vector<std::uint64_t> visible_, known_;  ///< [size * words]
-};
+/// The 16 rows of a block.
+std::uint32_t block_of(Words rows, std::size_t b) {
+  return static_cast<std::uint32_t>(rows[b / kBlocksInWord] >> b % kBlocksInWord * kRowsInBlock & 0xffff);
+}
 
 class LocalizedCompletion {
  public:
@@ -52,24 +38,29 @@ class LocalizedCompletion {
   CompletionStats run();
 
  private:
-  void complete_column(std::size_t j);
-  void trace_whole(std::size_t j);
-  void try_traced_column(std::size_t j);
-  void list_active_blocks(std::size_t j);
-  void begin_column(std::size_t j);
-  void want_block(std::size_t j, std::uint32_t b);
-  void want_row(std::size_t j, std::uint32_t b);
-  bool has_sample(std::size_t b) const;
-  void choose_rows(std::size_t j, std::size_t count);
-  void sample(std::size_t j, std::size_t count, float great);
-  void update_doubt(std::size_t j, Words samples);
-  void trace_wanted(std::size_t j);
-  bool samples_agree(std::size_t j) const;
-  bool is_uniform(std::size_t q, bool value) const;
+  using Kind = RememberedColumns::Kind;
+
+  void complete_column();
+  void trace_whole();
+  void repair(std::size_t predictor, bool settled);
+  bool copy_uniform(std::size_t q);
+  float largest_copied(bool settled) const;
+  void want_quads(std::size_t b);
+  std::uint32_t fill_quads(std::size_t b) const;
+  void list_active_blocks();
+  void want_block(std::size_t b);
+  void want_row(std::size_t b);
+  void choose_rows(std::size_t count);
+  void sample(std::size_t count, float great);
+  void trace_wanted();
+  bool samples_agree() const;
   void predict(std::size_t q);
-  void trace_doubtful_blocks(std::size_t j);
+  void update_doubt();
+  void trace_doubtful_blocks(bool settled);
+  void find_changed_blocks();
   void spread_doubt();
-  void copy_others(std::size_t j);
+  void copy_others();
+  Kind kind_of_column() const;
 
   EntrySource& source_;
   const LocalizedParams params_;
@@ -82,13 +73,18 @@ class LocalizedCompletion {
   CompletionStats stats_;
 
   // Of the column at hand.
+  std::size_t j_ = 0, n_active_ = 0;
+  Words active_;
+  MutableWords column_;
   std::vector<std::uint64_t> traced_, wanted_;  ///< rows
   std::vector<std::uint64_t> predicted_;        ///< bits of all rows
   std::vector<std::uint32_t> active_blocks_;    ///< those with active rows, ascending
-  BlockMask sees_, misses_;                     ///< blocks predicted to have visible, occluded rows; both: mixed
-  BlockMask active_;                            ///< active_blocks_ as a mask
   std::vector<float> energies_;                 ///< by block
-  BlockMask bright_;                            ///< blocks above copy_mixed
+  BlockMask active_mask_;                       ///< active_blocks_ as a mask
+  BlockMask sampled_;                           ///< blocks with a row that is wanted or traced
+  BlockMask bright_;                            ///< blocks above the energy that is asked about
+  BlockMask sees_, misses_;                     ///< blocks predicted to have visible, occluded rows; both: mixed
+  BlockMask whole_;                             ///< blocks that are traced in all rows, if at all
   BlockMask doubtful_, done_, changed_;         ///< to be traced next; traced; traced and not in the state predicted
 };
 
@@ -105,147 +101,163 @@ LocalizedCompletion::LocalizedCompletion(EntrySource& source, const LocalizedPar
       traced_(words_),
       wanted_(words_),
       predicted_(words_),
+      energies_(n_blocks_),
+      active_mask_(n_blocks_),
+      sampled_(n_blocks_),
+      bright_(n_blocks_),
       sees_(n_blocks_),
       misses_(n_blocks_),
-      active_(n_blocks_),
-      energies_(n_blocks_),
-      bright_(n_blocks_),
+      whole_(n_blocks_),
       doubtful_(n_blocks_),
       done_(n_blocks_),
-      changed_(n_blocks_) {}
+      changed_(n_blocks_) {
+  active_blocks_.reserve(n_blocks_);
+}
 
 CompletionStats LocalizedCompletion::run() {
-  for (std::size_t j = 0; j < source_.n_columns(); ++j) complete_column(j);
+  for (j_ = 0; j_ < source_.n_columns(); ++j_) {
+    active_ = source_.active(j_);
+    column_ = visible_.column(j_);
+    n_active_ = count_bits(active_);
+    stats_.entries += n_active_;
+    if (n_active_ > 0) complete_column();
+  }
   return stats_;
 }
 
-void LocalizedCompletion::complete_column(std::size_t j) {
-  const Words active = source_.active(j);
-  const std::size_t n_active = count_bits(active);
-  if (n_active == 0) return;
-  stats_.entries += n_active;
+void LocalizedCompletion::complete_column() {
   std::fill(traced_.begin(), traced_.end(), 0);
-  if (n_active <= params_.few || remembered_.empty()) return trace_whole(j);
-
-  if (doubt_ > params_.doubt) return try_traced_column(j);
+  list_active_blocks();
+  if (n_active_ <= params_.few || remembered_.empty()) return trace_whole();
 
   // A few rows tell which column this one is like; where all is of one kind, they are enough.
-  begin_column(j);
-  sample(j, params_.first_samples, params_.settle);
-  NearestColumn nearest = remembered_.nearest(visible_.column(j), traced_);
-  const bool settled =
-      nearest.distance == 0 && samples_agree(j) && is_uniform(nearest.column, count_bits(visible_.column(j)) > 0);
+  source_.block_energies(j_, energies_);
+  const Words required = source_.required(j_);
+  std::copy(required.begin(), required.end(), wanted_.begin());
+  above(energies_, params_.guard, bright_.words());
+  for_each_bit(bright_.words(), [&](std::size_t b) {
+    if (active_mask_.test(b)) want_block(b);
+  });
+  sample(params_.first_samples, params_.settle);
+  NearestColumn nearest = remembered_.nearest(column_, traced_);
+  const bool settled = nearest.distance == 0 && samples_agree() &&
+                       remembered_.kind(nearest.column) == (count_bits(column_) > 0 ? Kind::visible : Kind::occluded);
   if (!settled) {
-    sample(j, params_.samples - std::min(params_.samples, params_.first_samples), params_.watch);
-    nearest = remembered_.nearest(visible_.column(j), traced_);
+    sample(params_.samples - std::min(params_.samples, params_.first_samples), params_.watch);
+    nearest = remembered_.nearest(column_, traced_);
   }
-
-  // Blocks are copied where nothing speaks against it.
-  predict(nearest.column);
-  update_doubt(j, traced_);
-  trace_doubtful_blocks(j);
-  copy_others(j);
-  remembered_.add(visible_.column(j), active);
+  repair(nearest.column, settled);
 }
 
-void LocalizedCompletion::trace_whole(std::size_t j) {
-  const Words active = source_.active(j);
-  std::copy(active.begin(), active.end(), wanted_.begin());
-  trace_wanted(j);
+/// Blocks are copied where nothing speaks against it.
+void LocalizedCompletion::repair(std::size_t predictor, bool settled) {
+  if (settled && copy_uniform(predictor)) return;
+  predict(predictor);
+  update_doubt();
+  trace_doubtful_blocks(settled);
+  copy_others();
+  remembered_.add(column_, active_, active_mask_.words(), kind_of_column());
+}
+
+/// Copies a uniform column, unless it does not know all blocks or some are worth too much. Returns whether it did.
+bool LocalizedCompletion::copy_uniform(std::size_t q) {
+  above(energies_, largest_copied(true), bright_.words());
+  const Words known = remembered_.blocks(q);
+  for (std::size_t word = 0; word < bright_.n_words(); ++word)
+    if ((active_mask_[word] & (bright_[word] | ~known[word])) != 0) return false;
+  const Kind kind = remembered_.kind(q);
+  if (kind == Kind::visible) std::copy(active_.begin(), active_.end(), column_.begin());
+  doubt_ -= doubt_ / kColumnsLookedBack;
+  remembered_.add(column_, active_, active_mask_.words(), kind);
+  return true;
+}
+
+/// Energy above which a uniform block is not copied.
+float LocalizedCompletion::largest_copied(bool settled) const {
+  return std::sqrt(params_.risk / (std::max(doubt_, kLeastDoubt) * (settled ? kSettledDoubt : 1.0f)));
+}
+
+void LocalizedCompletion::trace_whole() {
+  std::copy(active_.begin(), active_.end(), wanted_.begin());
+  trace_wanted();
   ++stats_.full_columns;
-  remembered_.add(visible_.column(j), active);
+  remembered_.add(column_, active_, active_mask_.words(), kind_of_column());
 }
 
-/// Traces a column whole and sees how far copies of others would have been wrong.
-void LocalizedCompletion::try_traced_column(std::size_t j) {
-  const Words active = source_.active(j);
-  list_active_blocks(j);
-  choose_rows(j, params_.samples);
-  const std::vector<std::uint64_t> samples = wanted_;
-  std::copy(active.begin(), active.end(), wanted_.begin());
-  trace_wanted(j);
-  ++stats_.full_columns;
-  predict(remembered_.nearest(visible_.column(j), samples).column);
-  update_doubt(j, samples);
-  remembered_.add(visible_.column(j), active);
+RememberedColumns::Kind LocalizedCompletion::kind_of_column() const {
+  const std::size_t n_visible = count_bits(column_);
+  return n_visible == 0 ? Kind::occluded : n_visible == n_active_ ? Kind::visible : Kind::mixed;
 }
 
-/// The share of `samples` in blocks predicted uniform that contradict them enters the running mean.
-void LocalizedCompletion::update_doubt(std::size_t j, Words samples) {
-  const Words column = std::as_const(visible_).column(j);
+/// The share of samples in blocks predicted uniform that contradict them enters the running mean.
+void LocalizedCompletion::update_doubt() {
   std::size_t n_tested = 0, n_contradict = 0;
   for (std::size_t w = 0; w < words_; ++w) {
-    const std::uint64_t tested = samples[w] & rows_of_blocks(sees_.four(w) ^ misses_.four(w));
+    if (traced_[w] == 0) continue;
+    const std::uint64_t tested = traced_[w] & rows_of_blocks(sees_.four(w) ^ misses_.four(w));
     n_tested += static_cast<std::size_t>(std::popcount(tested));
-    n_contradict += static_cast<std::size_t>(std::popcount((predicted_[w] ^ column[w]) & tested));
+    n_contradict += static_cast<std::size_t>(std::popcount((predicted_[w] ^ column_[w]) & tested));
   }
   if (n_tested == 0) return;
   const float share = static_cast<float>(n_contradict) / static_cast<float>(n_tested);
-  doubt_ += (share - doubt_) / kColumnsOfDoubt;
+  doubt_ += (share - doubt_) / kColumnsLookedBack;
 }
 
-void LocalizedCompletion::list_active_blocks(std::size_t j) {
-  const Words active = source_.active(j);
-  active_.clear();
-  for (std::size_t w = 0; w < words_; ++w) active_.add_four(w, any_in_blocks(active[w]));
+void LocalizedCompletion::list_active_blocks() {
+  active_mask_.clear();
+  sampled_.clear();
+  for (std::size_t w = 0; w < words_; ++w) active_mask_.add_four(w, any_in_blocks(active_[w]));
   active_blocks_.clear();
-  for_each_bit(active_.words(), [&](std::size_t b) { active_blocks_.push_back(static_cast<std::uint32_t>(b)); });
-}
-
-/// Wants what must be traced.
-void LocalizedCompletion::begin_column(std::size_t j) {
-  list_active_blocks(j);
-  source_.block_energies(j, energies_);
-  const Words required = source_.required(j);
-  for (std::size_t w = 0; w < words_; ++w) wanted_[w] = required.empty() ? 0 : required[w];
-  for (const std::uint32_t b : active_blocks_)
-    if (energies_[b] > params_.guard) want_block(j, b);
+  for_each_bit(active_mask_.words(), [&](std::size_t b) { active_blocks_.push_back(static_cast<std::uint32_t>(b)); });
 }
 
 /// All active rows of a block.
-void LocalizedCompletion::want_block(std::size_t j, std::uint32_t b) {
+void LocalizedCompletion::want_block(std::size_t b) {
   const std::size_t word = b / kBlocksInWord;
-  wanted_[word] |= source_.active(j)[word] & rows_of_blocks(std::uint64_t{1} << b % kBlocksInWord);
+  wanted_[word] |= active_[word] & rows_of_blocks(std::uint64_t{1} << b % kBlocksInWord);
+  sampled_.set(b);
 }
 
 /// Wants one active row of a block.
-void LocalizedCompletion::want_row(std::size_t j, std::uint32_t b) {
-  const std::size_t word = b / kBlocksInWord, shift = b % kBlocksInWord * kRowsInBlock;
-  const std::uint32_t rows = source_.active(j)[word] >> shift & 0xffff;
-  const std::uint32_t from = ((turn_ >> 20) + 7 * b) % kRowsInBlock;  // the first active row from there on, in a ring
-  const std::uint32_t turned = (rows | rows << kRowsInBlock) >> from;
+void LocalizedCompletion::want_row(std::size_t b) {
+  const std::uint32_t rows = block_of(active_, b);
+  const auto from = ((turn_ >> 20) + 7 * static_cast<std::uint32_t>(b)) % kRowsInBlock;
+  const std::uint32_t turned = (rows | rows << kRowsInBlock) >> from;  // the first active row from there on, in a ring
   const std::uint32_t row = (static_cast<std::uint32_t>(std::countr_zero(turned)) + from) % kRowsInBlock;
-  wanted_[word] |= std::uint64_t{1} << (shift + row);
+  wanted_[b / kBlocksInWord] |= std::uint64_t{1} << (b % kBlocksInWord * kRowsInBlock + row);
+  sampled_.set(b);
 }
 
 /// Wants one row in each of `count` active blocks (as many as there are), evenly spaced. Which blocks, and which of
 /// their rows, goes on turning.
-void LocalizedCompletion::choose_rows(std::size_t j, std::size_t count) {
-  const std::size_t n = active_blocks_.size(), n_taken = std::min(count, n);
+void LocalizedCompletion::choose_rows(std::size_t count) {
+  const std::uint64_t n = active_blocks_.size(), n_taken = std::min<std::uint64_t>(count, n);
+  if (n_taken == 0) return;
   turn_ += 0x9e3779b9u;  // steps of the golden ratio: every stretch of turns is spread evenly
-  const std::uint64_t phase = static_cast<std::uint64_t>(turn_) * n >> 32;
-  for (std::size_t k = 0; k < n_taken; ++k) want_row(j, active_blocks_[(phase + k * n / n_taken) % n]);
+  const std::uint64_t step = (n << 32) / n_taken;
+  std::uint64_t place = turn_ * n;  // in the list, 32 bits after the point
+  for (std::uint64_t k = 0; k < n_taken; ++k, place += step) {
+    if (place >= n << 32) place -= n << 32;
+    want_row(active_blocks_[place >> 32]);
+  }
 }
 
 /// Traces some rows, and one in each block of great energy that has none yet, besides what is wanted already.
-void LocalizedCompletion::sample(std::size_t j, std::size_t count, float great) {
-  choose_rows(j, count);
-  for (const std::uint32_t b : active_blocks_)
-    if (energies_[b] > great && !has_sample(b)) want_row(j, b);
+void LocalizedCompletion::sample(std::size_t count, float great) {
+  choose_rows(count);
+  above(energies_, great, bright_.words());
+  for (std::size_t word = 0; word < bright_.n_words(); ++word) bright_[word] &= active_mask_[word] & ~sampled_[word];
+  for_each_bit(bright_.words(), [&](std::size_t b) { want_row(b); });
   for (std::size_t w = 0; w < words_; ++w) wanted_[w] &= ~traced_[w];
-  trace_wanted(j);
-}
-
-bool LocalizedCompletion::has_sample(std::size_t b) const {
-  return ((traced_[b / kBlocksInWord] | wanted_[b / kBlocksInWord]) >> b % kBlocksInWord * kRowsInBlock & 0xffff) != 0;
+  trace_wanted();
 }
 
 /// Traces wanted rows, none of which is traced yet, and forgets what was wanted.
-void LocalizedCompletion::trace_wanted(std::size_t j) {
+void LocalizedCompletion::trace_wanted() {
   const std::size_t n = count_bits(wanted_);
   if (n == 0) return;
   stats_.traced += n;
-  source_.trace(j, wanted_, visible_.column(j));
+  source_.trace(j_, wanted_, column_);
   for (std::size_t w = 0; w < words_; ++w) {
     MYRIALUX_ASSERT((traced_[w] & wanted_[w]) == 0);  // no entry is asked for twice
     traced_[w] |= wanted_[w];
@@ -254,16 +266,9 @@ void LocalizedCompletion::trace_wanted(std::size_t j) {
 }
 
 /// All traced rows are visible, or none is.
-bool LocalizedCompletion::samples_agree(std::size_t j) const {
-  const std::size_t n_visible = count_bits(std::as_const(visible_).column(j));
+bool LocalizedCompletion::samples_agree() const {
+  const std::size_t n_visible = count_bits(column_);
   return n_visible == 0 || n_visible == count_bits(traced_);
-}
-
-bool LocalizedCompletion::is_uniform(std::size_t q, bool value) const {
-  const Words visible = remembered_.visible(q), known = remembered_.known(q);
-  for (std::size_t w = 0; w < words_; ++w)
-    if (((value ? ~visible[w] : visible[w]) & known[w]) != 0) return false;
-  return true;
 }
 
 /// Reads a remembered column block by block; uniform blocks speak for all their rows.
@@ -280,31 +285,38 @@ void LocalizedCompletion::predict(std::size_t q) {
 }
 
 /// Traces blocks as long as one turns out not to be as predicted.
-void LocalizedCompletion::trace_doubtful_blocks(std::size_t j) {
-  const Words active = source_.active(j);
-  const MutableWords column = visible_.column(j);
-  doubtful_.clear();
+void LocalizedCompletion::trace_doubtful_blocks(bool settled) {
+  above(energies_, params_.copy_mixed, bright_.words());
+  above(energies_, params_.whole, whole_.words());
+  above(energies_, largest_copied(settled), doubtful_.words());  // too much to be copied
   done_.clear();
-  bright_.clear();
-  for (const std::uint32_t b : active_blocks_)
-    if (energies_[b] > params_.copy_mixed) bright_.set(b);
   for (std::size_t w = 0; w < words_; ++w) {
     const std::uint64_t sees = sees_.four(w), misses = misses_.four(w), mixed = sees & misses;
-    const std::uint64_t contradicted = any_in_blocks((predicted_[w] ^ column[w]) & traced_[w]);
-    const std::uint64_t doubtful = contradicted | ~(sees | misses) | (mixed & bright_.four(w));
-    doubtful_.add_four(w, doubtful & active_.four(w));
+    const std::uint64_t contradicted = any_in_blocks((predicted_[w] ^ column_[w]) & traced_[w]);
+    doubtful_.add_four(w, contradicted | (~(sees | misses) & 15) | (mixed & bright_.four(w)));
   }
+  for (std::size_t word = 0; word < done_.n_words(); ++word) doubtful_[word] &= active_mask_[word];
   while (!doubtful_.empty()) {
-    for (std::size_t w = 0; w < words_; ++w) wanted_[w] = rows_of_blocks(doubtful_.four(w)) & active[w] & ~traced_[w];
-    trace_wanted(j);
-    changed_.clear();
-    for (std::size_t w = 0; w < words_; ++w) {
-      const std::uint64_t sees = any_in_blocks(column[w]), misses = any_in_blocks(active[w] & ~column[w]);
-      const std::uint64_t was_known = sees_.four(w) | misses_.four(w);
-      const std::uint64_t differs = (sees ^ sees_.four(w)) | (misses ^ misses_.four(w));
-      changed_.add_four(w, differs & was_known & doubtful_.four(w));
-    }
+    for (std::size_t w = 0; w < words_; ++w)
+      wanted_[w] = rows_of_blocks(doubtful_.four(w) & whole_.four(w)) & active_[w] & ~traced_[w];
+    for_each_bit(doubtful_.words(), [&](std::size_t b) {
+      if (!whole_.test(b)) want_quads(b);
+    });
+    trace_wanted();
+    find_changed_blocks();
     spread_doubt();
+  }
+}
+
+/// Of the doubtful blocks, now traced, those that are not in the state predicted.
+void LocalizedCompletion::find_changed_blocks() {
+  changed_.clear();
+  for (std::size_t w = 0; w < words_; ++w) {
+    if (doubtful_.four(w) == 0) continue;
+    const std::uint64_t sees = any_in_blocks(column_[w]), misses = any_in_blocks(traced_[w] & ~column_[w]);
+    const std::uint64_t was_known = sees_.four(w) | misses_.four(w);
+    const std::uint64_t differs = (sees ^ sees_.four(w)) | (misses ^ misses_.four(w));
+    changed_.add_four(w, differs & was_known & doubtful_.four(w));
   }
 }
 
@@ -313,60 +325,51 @@ void LocalizedCompletion::spread_doubt() {
   for (std::size_t word = 0; word < done_.n_words(); ++word) done_[word] |= doubtful_[word];
   doubtful_.clear();
   for_each_bit(changed_.words(), [&](std::size_t b) {
-    for (const std::uint32_t near : neighbours_.of(b)) doubtful_.set(near);
+    const Words near = neighbours_.of(b);
+    for (std::size_t word = 0; word < near.size(); ++word) doubtful_[word] |= near[word];
   });
-  for (std::size_t word = 0; word < done_.n_words(); ++word) doubtful_[word] &= active_[word] & ~done_[word];
+  for (std::size_t word = 0; word < done_.n_words(); ++word) doubtful_[word] &= active_mask_[word] & ~done_[word];
 }
 
-void LocalizedCompletion::copy_others(std::size_t j) {
-  const Words active = source_.active(j);
-  const MutableWords column = visible_.column(j);
-  for (std::size_t w = 0; w < words_; ++w)
-    column[w] |= predicted_[w] & active[w] & ~traced_[w] & ~rows_of_blocks(done_.four(w));
+/// Wants an active row in each four of a block where none is traced yet.
+void LocalizedCompletion::want_quads(std::size_t b) {
+  const std::uint32_t rows = block_of(active_, b), known = block_of(traced_, b);
+  const std::uint32_t from = ((turn_ >> 24) + 3 * static_cast<std::uint32_t>(b)) % 4;
+  std::uint64_t want = 0;
+  for (std::uint32_t q = 0; q < kRowsInBlock; q += 4) {
+    const std::uint32_t four = rows >> q & 15;
+    if (four == 0 || (known >> q & 15) != 0) continue;
+    const std::uint32_t turned = (four | four << 4) >> from;
+    want |= std::uint64_t{1} << (q + (static_cast<std::uint32_t>(std::countr_zero(turned)) + from) % 4);
+  }
+  wanted_[b / kBlocksInWord] |= want << b % kBlocksInWord * kRowsInBlock;
 }
 
-BlockNeighbours::BlockNeighbours(const EntrySource& source, std::size_t n_blocks, std::size_t count)
-    : count_(count), nearest_(n_blocks * count) {
-  const std::span<const RowPoint> points = source.row_points();
-  std::vector<RowPoint> middles(n_blocks);
-  for (std::size_t b = 0; b < n_blocks; ++b) {
-    const std::size_t first = std::min(b * kRowsInBlock, source.n_rows()),
-                      end = std::min(first + kRowsInBlock, source.n_rows());
-    if (points.empty() || first == end) {
-      middles[b] = {static_cast<float>(b), 0, 0};
-      continue;
-    }
-    for (std::size_t i = first; i < end; ++i)
-      for (std::size_t a = 0; a < 3; ++a) middles[b][a] += points[i][a] / static_cast<float>(end - first);
+/// Predicts the rest of a block of which some rows are traced: as before if they agree with it, uniform if they are,
+/// else each four of rows by its majority.
+std::uint32_t LocalizedCompletion::fill_quads(std::size_t b) const {
+  const std::uint32_t traced = block_of(traced_, b), visible = block_of(column_, b) & traced,
+                      predicted = block_of(predicted_, b);
+  if (((predicted ^ visible) & traced) == 0) return predicted;
+  if (visible == 0 || visible == traced) return visible == 0 ? 0 : 0xffff;
+  std::uint32_t filled = 0;
+  for (std::uint32_t q = 0; q < kRowsInBlock; q += 4) {
+    const std::uint32_t known = traced >> q & 15, seen = visible >> q & 15;
+    if (known == 0)
+      filled |= predicted & 15u << q;
+    else if (2 * std::popcount(seen) > std::popcount(known))
+      filled |= 15u << q;
   }
-
-  using Candidate = std::pair<float, std::uint32_t>;
-  std::vector<Candidate> others;
-  for (std::size_t b = 0; b < n_blocks; ++b) {
-    others.clear();
-    for (std::size_t o = 0; o < n_blocks; ++o) {
-      float distance = 0;
-      for (std::size_t a = 0; a < 3; ++a) {
-        const float step = middles[o][a] - middles[b][a];
-        distance += step * step;
-      }
-      if (o != b) others.push_back({distance, static_cast<std::uint32_t>(o)});
-    }
-    std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(count), others.end());
-    for (std::size_t k = 0; k < count; ++k) nearest_[b * count + k] = others[k].second;
-  }
+  return filled;
 }
 
-void RememberedColumns::add(Words visible, Words known) {
-  if (size_ < capacity_) {
-    visible_.insert(visible_.end(), visible.begin(), visible.end());
-    known_.insert(known_.end(), known.begin(), known.end());
-    newest_ = size_++;
-    return;
-  }
-  newest_ = (newest_ + 1) % capacity_;
-  std::copy(visible.begin(), visible.end(), visible_.begin() + static_cast<std::ptrdiff_t>(newest_ * words_));
-  std::copy(known.begin(), known.end(), known_.begin() + static_cast<std::ptrdiff_t>(newest_ * words_));
+void LocalizedCompletion::copy_others() {
+  for_each_bit(done_.words(), [&](std::size_t b) {
+    if (whole_.test(b)) return;
+    const std::size_t word = b / kBlocksInWord, shift = b % kBlocksInWord * kRowsInBlock;
+    predicted_[word] = (predicted_[word] & ~(std::uint64_t{0xffff} << shift)) | std::uint64_t{fill_quads(b)} << shift;
+  });
+  for (std::size_t w = 0; w < words_; ++w) column_[w] |= predicted_[w] & active_[w] & ~traced_[w];
 }
 
 void check_count(const char* name, std::uint32_t value) {
@@ -388,8 +391,9 @@ CompletionStats complete_localized(EntrySource& source, const LocalizedParams& p
   check_energy("watch", params.watch);
   check_energy("settle", params.settle);
   check_energy("guard", params.guard);
-  check_energy("doubt", params.doubt);
+  check_energy("risk", params.risk);
   check_energy("copy_mixed", params.copy_mixed);
+  check_energy("whole", params.whole);
   MYRIALUX_ASSERT(visible.n_rows() == source.n_rows() && visible.n_columns() == source.n_columns());
   if (source.n_rows() == 0) return {};
   return LocalizedCompletion(source, params, rng, visible).run();

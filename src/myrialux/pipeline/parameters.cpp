@@ -171,8 +171,11 @@ void add_localized_keys(std::vector<Key>& table) {
       "lbamc.copy_mixed", 0, 1e30f, "partly visible blocks below this many times the picture's mean are copied",
       [](P & p) -> auto& { return p.method.lbamc.copy_mixed; }));
   table.push_back(number_key(
-      "lbamc.doubt", 0, 1, "share of contradicting samples above which a slice's columns are traced whole",
-      [](P & p) -> auto& { return p.method.lbamc.doubt; }));
+      "lbamc.risk", 0, 1e30f, "blocks are traced, not copied, where energy squared times doubt is larger",
+      [](P & p) -> auto& { return p.method.lbamc.risk; }));
+  table.push_back(number_key(
+      "lbamc.whole", 0, 1e30f, "doubtful blocks below this energy are traced in one row of four",
+      [](P & p) -> auto& { return p.method.lbamc.whole; }));
 }
 
 void add_completion_keys(std::vector<Key>& table) {

@@ -1,20 +1,52 @@
-// Bounds of the light cut's kernel, of columns instead of clusters.
+// Blocks as balls and cones around their rows; what rows do at most, by the bounds of the light cut.
 #include "myrialux/visibility/block_energies.h"
 
 #include <algorithm>
 
 #include "myrialux/base/assert.h"
 #include "myrialux/clusters/bounds.h"
+#include "myrialux/clusters/lobe_bounds.h"
 #include "myrialux/kernels/shadow_ends.h"
 
 namespace myrialux {
 namespace {
 
-std::vector<ReceiverId> middle_rows(std::span<const ReceiverId> rows) {
-  std::vector<ReceiverId> middles;
-  for (std::size_t first = 0; first < rows.size(); first += kPacketRows)
-    middles.push_back(rows[first + std::min(kPacketRows, rows.size() - first) / 2]);
-  return middles;
+/// Axis and angle of the narrowest cone around the mean of unit vectors, set in a lane.
+void set_cone(std::span<const Vec3> directions, ConeLanes& cone, std::size_t lane) {
+  Vec3 sum{};
+  for (const Vec3 d : directions) sum = sum + d;
+  const float length = std::sqrt(dot(sum, sum));
+  const Vec3 axis = length > 0 ? sum * (1 / length) : Vec3{0, 0, 1};
+  float least = length > 0 ? 1.0f : -1.0f;
+  for (const Vec3 d : directions) least = std::min(least, dot(axis, d));
+  for (int a = 0; a < 3; ++a) cone.axis[a][lane] = axis[a];
+  cone.cos[lane] = least, cone.sin[lane] = std::sqrt(std::max(0.0f, 1 - least * least));
+}
+
+/// A block of rows: ball, cones, and the largest of what each row's lobes can do.
+void set_block(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows, float unit,
+               BlockCones::Group& g, std::size_t lane) {
+  Vec3 normals[kPacketRows], mirrors[kPacketRows], middle{};
+  float alpha = 0;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const std::size_t i = index(rows[k]);
+    const BsdfParams& params = receivers.bsdf[i];
+    const Bsdf bsdf = make_bsdf(world.scene.materials[index(params.material)], params, world.sharp_alpha);
+    const Vec3 n = receivers.n[i], wo = receivers.wo[i];
+    const LobeBounds bounds = lobe_bounds(bsdf, Frame(receivers.inside[i] ? -n : n).to_local(wo));
+    const float beta = luminance(receivers.beta[i]) / unit;
+    normals[k] = n, mirrors[k] = normalize(n * (2 * dot(n, wo)) - wo);
+    middle = middle + receivers.p[i] * (1 / static_cast<float>(rows.size()));
+    g.diffuse[lane] = std::max(g.diffuse[lane], beta * max_component(bounds.diffuse));
+    g.gloss[lane] = std::max(g.gloss[lane], beta * max_component(bounds.gloss));
+    g.any[lane] = std::max(g.any[lane], beta * max_component(bounds.any));
+    alpha = std::max(alpha, bounds.alpha);
+  }
+  for (const ReceiverId i : rows) g.radius[lane] = std::max(g.radius[lane], length(receivers.p[index(i)] - middle));
+  for (int a = 0; a < 3; ++a) g.p[a][lane] = middle[a];
+  g.inverse_alpha2[lane] = alpha < kLargestShapedAlpha ? 1 / (alpha * alpha) : 0.0f;
+  set_cone(std::span(normals, rows.size()), g.normal, lane);
+  set_cone(std::span(mirrors, rows.size()), g.mirror, lane);
 }
 
 }  // namespace
@@ -24,28 +56,34 @@ BlockEnergies::BlockEnergies(const World& world, const Receivers& receivers, std
                              float clamp_distance, float unit)
     : world_(world), lights_(lights), tree_(tree), columns_(columns.begin(), columns.end()) {
   MYRIALUX_ASSERT(unit > 0);
-  const std::vector<ReceiverId> middles = middle_rows(rows);
-  points_ = make_cut_points(world, receivers, middles, clamp_distance);
-  for (const ReceiverId i : middles) beta_.push_back(luminance(receivers.beta[index(i)]) / unit);
-}
-
-void BlockEnergies::of(std::size_t j, std::span<float> energies) const {
-  MYRIALUX_ASSERT(energies.size() >= beta_.size());
-  const LightId light = columns_[j].light;
-  const CutCluster cluster =
-      make_light_cluster(world_, lights_, light, tree_.importance[index(light)], columns_[j].weight);
-  float bounds[kCutLanes];
-  std::fill(energies.begin(), energies.end(), 0.0f);
-  for (std::size_t g = 0; g < points_.groups.size(); ++g) {
-    bound_lanes(points_, g, cluster, bounds);
-    const std::size_t first = g * kCutLanes, n = std::min(kCutLanes, beta_.size() - first);
-    for (std::size_t k = 0; k < n; ++k) energies[first + k] = bounds[k] * beta_[first + k];
+  blocks_.least_distance_squared = std::max(clamp_distance * clamp_distance, 1e-20f);
+  const std::size_t n_blocks = (rows.size() + kPacketRows - 1) / kPacketRows;
+  blocks_.groups.resize((n_blocks + kCutLanes - 1) / kCutLanes);
+  for (std::size_t b = 0; b < n_blocks; ++b) {
+    BlockCones::Group& g = blocks_.groups[b / kCutLanes];
+    const std::size_t lane = b % kCutLanes, first = b * kPacketRows;
+    set_block(world, receivers, rows.subspan(first, std::min(kPacketRows, rows.size() - first)), unit, g, lane);
+    blocks_.any_gloss |= g.gloss[lane] > 0 || g.any[lane] > 0;
   }
 }
 
+void BlockEnergies::of(std::size_t j, std::span<float> energies) const {
+  const LightId light = columns_[j].light;
+  const CutCluster cluster =
+      make_light_cluster(world_, lights_, light, tree_.importance[index(light)], columns_[j].weight);
+  const std::size_t n = blocks_.groups.size() * kCutLanes;
+  if (energies.size() >= n) {
+    bound_blocks(blocks_, cluster, energies.first(n));
+    std::fill(energies.begin() + static_cast<std::ptrdiff_t>(n), energies.end(), 0.0f);
+    return;
+  }
+  std::vector<float> bounds(n);  // a last group that is not full
+  bound_blocks(blocks_, cluster, bounds);
+  std::copy(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(energies.size()), energies.begin());
+}
+
 std::size_t BlockEnergies::memory_bytes() const {
-  return columns_.size() * sizeof(Column) + points_.groups.size() * sizeof(CutPoints::Group) +
-         beta_.size() * sizeof(float);
+  return columns_.size() * sizeof(Column) + blocks_.groups.size() * sizeof(BlockCones::Group);
 }
 
 }  // namespace myrialux
