@@ -25,7 +25,8 @@ enum class Stage : std::uint8_t {
   gather_tree,
   point_tree,
   lens,
-  shutter
+  shutter,
+  error_meter
 };
 
 /// Names all streams of one pass of a render.

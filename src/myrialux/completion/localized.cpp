@@ -384,6 +384,14 @@ void check_energy(const char* name, float value) {
 
 }  // namespace
 
+LocalizedParams with_slack(const LocalizedParams& params, float slack) {
+  MYRIALUX_ASSERT(slack > 0);
+  LocalizedParams p = params;
+  p.watch *= slack, p.settle *= slack, p.guard *= slack, p.copy_mixed *= slack, p.whole *= slack;
+  p.risk *= slack * slack;  // of squared energies
+  return p;
+}
+
 CompletionStats complete_localized(EntrySource& source, const LocalizedParams& params, Rng& rng, BitMatrix& visible) {
   check_count("first_samples", params.first_samples);
   check_count("samples", params.samples);

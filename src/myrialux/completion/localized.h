@@ -25,6 +25,9 @@ struct LocalizedParams {
   float whole = 0.003f;              ///< doubtful blocks of less energy are traced in one row of four
 };
 
+/// The same with all energies times `slack`: larger ones leave more to copies. @param slack > 0
+LocalizedParams with_slack(const LocalizedParams& params, float slack);
+
 /// Fills `visible` (n_rows x n_columns, all 0 at entry): traced bits as traced, others copied; inactive bits are 0. No
 /// entry is asked for twice. Column after column:
 ///  1. A column of few active rows is traced whole, and so is the first.

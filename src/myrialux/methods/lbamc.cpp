@@ -5,10 +5,11 @@
 namespace myrialux {
 
 MethodResult render_lbamc(const FrameView& frame, const MethodParams& params, Progress& progress, RenderStats& stats) {
-  const auto complete = [&](EntrySource& source, Rng& rng, BitMatrix& visible) {
-    return complete_localized(source, params.lbamc, rng, visible);
+  const auto complete = [&](EntrySource& source, Rng& rng, BitMatrix& visible, float slack) {
+    return complete_localized(source, with_slack(params.lbamc, slack), rng, visible);
   };
-  return render_slices(frame, params, {.complete = complete, .block_energies = true}, progress, stats);
+  return render_slices(frame, params, {.complete_within = complete, .largest_error = params.visibility_error}, progress,
+                       stats);
 }
 
 }  // namespace myrialux

@@ -54,6 +54,8 @@ struct MethodParams {
   LightTreeParams tree;
   CutParams cut;  ///< its clamp_distance is the clamp of bounds and shading alike
   LocalizedParams lbamc;
+  /// Root mean square over pixels that lbamc's copies may add, over the mean radiance; 0: all entries are traced.
+  float visibility_error = 0.005f;
   BamcParams bamc;
   LightSliceParams lightslice;
   bool bamc_cull = true;  ///< -D bamc.cull=false: trace entries whose transfer is zero, too (as published)
@@ -84,6 +86,8 @@ struct MethodResult {
   std::vector<Rgb> radiance;                         ///< light from virtual lights, beta not applied
   std::vector<std::uint32_t> slice;                  ///< slice id (slice methods), else empty
   std::vector<float> cut_size, visibility_fraction;  ///< of the receiver's slice, else empty
+  /// The error meter's estimate for the receiver's slice, over the frame's mean; empty: no meter.
+  std::vector<float> visibility_error;
 };
 
 /// Adds counters and times to `stats`.

@@ -11,8 +11,11 @@ namespace myrialux {
 /// From a slice's entry source to all its bits: the stage in which slice methods differ. `visible` is all 0 at entry.
 using CompleteSlice = std::function<CompletionStats(EntrySource& source, Rng& rng, BitMatrix& visible)>;
 
-/// One slice of this many is a slice of the pilot (see SliceMethod::guard), whose bits are kept through the frame.
-inline constexpr std::size_t kPilotStride = 64;
+/// The pilot (see SliceMethod::guard): one slice of this many at most, and about so many slices of large frames. Their
+/// bits are kept through the frame.
+inline constexpr std::size_t kPilotStride = 64, kPilotSlices = 32;
+/// One slice of how many is the pilot's.
+std::size_t pilot_stride(std::size_t n_slices);
 
 /// Lights that brute-force joins with a slice at a time.
 inline constexpr std::uint32_t kBruteForceColumns = 1024;
@@ -28,15 +31,19 @@ struct SliceFrame {
 using ChooseColumns = std::function<std::vector<Column>(std::size_t s)>;
 
 struct SliceMethod {
-  CompleteSlice complete;
+  CompleteSlice complete = {};
   bool cull = true;  ///< entries whose transfer is zero are left out
   /// Entries that may carry more than this many times the frame's mean radiance are always traced. The mean comes from
   /// a pilot: one slice of 64 is traced whole first, and completed besides to count wrong bits. 0: no pilot.
   float guard = 0;
   /// Prepares the choice of columns, once a frame. Empty: light_cut().
   std::function<ChooseColumns(const SliceFrame&)> columns = {};
-  bool energies = false;        ///< the source tells what columns may bring
-  bool block_energies = false;  ///< the source tells what blocks may bring, by the mean of the same pilot
+  bool energies = false;  ///< the source tells what columns may bring
+  /// In place of `complete`, where set: completion with about `slack` times the error that it has with 1. The source
+  /// tells what blocks may bring, and the pilot finds the slack with which its own slices stay within `largest_error`.
+  /// Slices are then checked by random rays, and completed again with less slack where too much was wrong.
+  std::function<CompletionStats(EntrySource& source, Rng& rng, BitMatrix& visible, float slack)> complete_within = {};
+  float largest_error = 0;  ///< root mean square over pixels, over the mean radiance; 0: all is traced
 };
 
 /// Streams the slices: each is cut, traced, completed, shaded and forgotten, so memory does not grow with the frame

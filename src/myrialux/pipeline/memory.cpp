@@ -70,7 +70,8 @@ Bytes block_bytes(const FrameExtent& f) {
 constexpr Bytes kPointNodes = 2 * sizeof(PointNode), kPointCode = 16;
 
 Bytes pilot_bytes(const FrameExtent& f) {
-  return f.has_pilot ? (n_samples(f) / f.slice_rows / kPilotStride + 1) * bits_bytes(f) : 0;
+  const Bytes n_slices = n_samples(f) / f.slice_rows + 1;
+  return f.has_pilot ? (n_slices / pilot_stride(n_slices) + 1) * slice_bytes(f) : 0;
 }
 
 /// The reduced matrix, two bytes an entry, and the clustering of its columns: projected once, and then a copy for each

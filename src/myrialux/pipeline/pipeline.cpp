@@ -373,6 +373,7 @@ void render_path(const World& world, const Settings& settings, const FrameExtent
 void add_light_stats_means(RenderStats& stats) {
   const double n = static_cast<double>(std::max<std::uint64_t>(1, stats.passes));
   stats.clusters_mean /= n;
+  stats.visibility.meter.divide(n);
   stats.clamped_energy_fraction /= n;
 }
 

@@ -3,6 +3,8 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -22,6 +24,24 @@ Json share(std::uint64_t part, std::uint64_t whole) {
   return whole > 0 ? Json(static_cast<double>(part) / static_cast<double>(whole)) : Json(nullptr);
 }
 
+Json interval_json(double estimate, Interval interval) {
+  return {{"estimate", estimate}, {"low", interval.low}, {"high", interval.high}};
+}
+
+/// Estimates are means over passes.
+Json meter_json(const RenderStats::Visibility::Meter& m) {
+  if (m.rays == 0) return nullptr;
+  const MeterErrors errors = meter_errors(m);
+  return {{"rays", m.rays},
+          {"wrong", interval_json(errors.wrong, errors.wrong_interval)},
+          {"error", interval_json(errors.error, errors.error_interval)},
+          {"bias", interval_json(errors.bias, errors.bias_interval)},
+          {"pilot_error", m.pilot_error},
+          {"slack", m.slack},
+          {"slices", m.slices},
+          {"redone_slices", m.redone_slices}};
+}
+
 Json visibility_json(const RenderStats::Visibility& v) {
   return {{"entries", v.entries},
           {"traced", v.traced},
@@ -29,7 +49,8 @@ Json visibility_json(const RenderStats::Visibility& v) {
           {"false_visible_estimate", share(v.false_visible, v.checked)},
           {"false_occluded_estimate", share(v.false_occluded, v.checked)},
           {"fully_sampled_columns", v.fully_sampled_columns},
-          {"verified_columns", v.verified_columns}};
+          {"verified_columns", v.verified_columns},
+          {"meter", meter_json(v.meter)}};
 }
 
 /// The stages of the contract in their order, then any others.
@@ -46,6 +67,20 @@ Json times_json(const std::map<std::string, double>& time_s) {
 }
 
 }  // namespace
+
+MeterErrors meter_errors(const RenderStats::Visibility::Meter& m) {
+  MeterErrors e;
+  if (m.rays == 0) return e;
+  e.wrong = static_cast<double>(m.wrong) / static_cast<double>(m.rays);
+  e.wrong_interval = share_interval(m.wrong, m.rays);
+  const double half_square = kNormal95 * std::sqrt(m.error_square_variance),
+               half_bias = kNormal95 * std::sqrt(m.bias_variance);
+  e.error = std::sqrt(m.error_square);
+  e.error_interval = {std::sqrt(std::max(0.0, m.error_square - half_square)), std::sqrt(m.error_square + half_square)};
+  e.bias = m.bias;
+  e.bias_interval = {m.bias - half_bias, m.bias + half_bias};
+  return e;
+}
 
 std::string to_json(const RenderStats& s) {
   Json parameters = Json::object();

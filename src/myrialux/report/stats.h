@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "myrialux/math/intervals.h"
+
 namespace myrialux {
 
 struct RenderStats {
@@ -21,6 +23,27 @@ struct RenderStats {
     /// Entries whose completed bit was held against its ray, and those found wrong; none: estimates are null in the
     /// file
     std::uint64_t checked = 0, false_visible = 0, false_occluded = 0;
+    /// What the method chose and measured to keep to --visibility-error; sums over passes.
+    struct Meter {
+      std::uint64_t rays = 0, wrong = 0;  ///< random true rays, and those that contradict the completed bit
+      std::uint64_t slices = 0, redone_slices = 0;
+      double error_square = 0;           ///< mean square over pixels, over the mean radiance
+      double error_square_variance = 0;  ///< of that estimate
+      double bias = 0, bias_variance = 0;
+      double slack = 0;        ///< see with_slack()
+      double pilot_error = 0;  ///< true error of the pilot's slices at that slack
+      Meter& operator+=(const Meter& o) {
+        rays += o.rays, wrong += o.wrong, slices += o.slices, redone_slices += o.redone_slices;
+        error_square += o.error_square, error_square_variance += o.error_square_variance;
+        bias += o.bias, bias_variance += o.bias_variance, slack += o.slack, pilot_error += o.pilot_error;
+        return *this;
+      }
+      /// From sums over n passes to means.
+      void divide(double n) {
+        error_square /= n, error_square_variance /= n * n, bias /= n, bias_variance /= n * n;
+        slack /= n, pilot_error /= n;
+      }
+    } meter;
   } visibility;
   /// Of methods that refine clusters to an error bound.
   struct Refinement {
@@ -42,6 +65,15 @@ struct RenderStats {
   double clamped_energy_fraction = -1;
   std::vector<std::string> warnings;
 };
+
+/// The meter's numbers with their 95 % intervals; zeros without rays.
+struct MeterErrors {
+  double wrong = 0;  ///< share of completed bits that are wrong, mean over receivers
+  double error = 0;  ///< root mean square over pixels, over the mean radiance
+  double bias = 0;   ///< mean of completed less true radiance, over the mean radiance
+  Interval wrong_interval, error_interval, bias_interval;
+};
+MeterErrors meter_errors(const RenderStats::Visibility::Meter& meter);
 
 /// The JSON text, keys as in docs/formats.md.
 std::string to_json(const RenderStats& stats);

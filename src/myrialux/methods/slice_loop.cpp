@@ -1,0 +1,210 @@
+// Cuts, traces, completes and shades one slice after another, and adds up what they report.
+#include "myrialux/methods/slice_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "myrialux/base/clock.h"
+#include "myrialux/base/parallel.h"
+#include "myrialux/shading/shade.h"
+#include "myrialux/visibility/column_energies.h"
+#include "myrialux/visibility/heavy_entries.h"
+
+namespace myrialux {
+namespace {
+
+/// A slice whose estimated error is above this many times the frame's limit is completed again with less slack: errors
+/// of slices differ, and a slice's estimate hangs on a few wrong rays, of which there must be some.
+constexpr double kRedoneAbove = 3;
+constexpr std::uint64_t kLeastWrongRays = 3;
+constexpr float kRedoneSlack = 0.25f;
+
+}  // namespace
+
+SliceLoop::SliceLoop(const FrameView& frame, const MethodParams& params, const SliceMethod& method,
+                     const Slices& slices, const LightTree& tree, ChooseColumns choose_columns)
+    : frame_(frame),
+      params_(params),
+      method_(method),
+      slices_(slices),
+      tree_(tree),
+      choose_columns_(std::move(choose_columns)),
+      reports_(slices.size()),
+      slack_(method.largest_error > 0 ? 1.0f : 0.0f) {
+  const std::size_t n = frame.receivers.size();
+  result.radiance.resize(n);
+  result.slice.resize(n);
+  result.cut_size.resize(n);
+  result.visibility_fraction.resize(n);
+}
+
+void SliceLoop::run(Progress& progress) {
+  if (has_meter()) result.visibility_error.resize(frame_.receivers.size());
+  parallel_for(slices_.size(), [&](std::size_t s) {
+    if (in_pilot(s)) return;
+    render(s);
+    progress.advance(1);
+  });
+}
+
+/// One slice from its cut to its radiance.
+void SliceLoop::render(std::size_t s) {
+  SliceReport& report = reports_[s];
+  const std::span<const ReceiverId> rows = slices_.rows(s);
+  ThreadStopwatch cpu;
+  const std::vector<Column> columns = choose_columns_(s);
+  report.cut_s = cpu.lap();
+
+  SliceVisibility source(frame_.world, frame_.receivers, rows, frame_.lights, columns, method_.cull);
+  BitMatrix visible(rows.size(), columns.size());
+  report.visibility_s = cpu.lap();
+  prepare(s, columns, source);
+  complete(s, columns, source, visible);
+  const double completion_s = cpu.lap();
+  report.visibility_s += source.trace_seconds();
+  report.complete_s = std::max(0.0, completion_s - source.trace_seconds());
+
+  shade(s, columns, visible);
+  report.shade_s = cpu.lap();
+  report.rays = source.rays() + report.meter.rays + report.meter.discarded_rays;
+  report.columns = columns.size();
+  report.memory_bytes = source.memory_bytes() + visible.n_words() * sizeof(std::uint64_t);
+}
+
+CompletionStats SliceLoop::complete_with(EntrySource& source, std::size_t s, float slack, BitMatrix& visible) const {
+  Rng rng(params_.key, Stage::visibility, s);
+  if (!method_.complete_within) return method_.complete(source, rng, visible);
+  return slack > 0 ? method_.complete_within(source, rng, visible, slack) : trace_all(source, visible);
+}
+
+/// Completes, looks how wrong it went, and does it again where that is too much.
+void SliceLoop::complete(std::size_t s, std::span<const Column> columns, SliceVisibility& source, BitMatrix& visible) {
+  SliceReport& report = reports_[s];
+  report.completion = complete_with(source, s, slack_, visible);
+  if (!has_meter() || slack_ <= 0) return;
+  const CompletedSlice slice = completed_slice(s, columns, source);
+  Rng rng(params_.key, Stage::error_meter, s);
+  report.meter = measure_errors(slice, visible, rng);
+  if (!is_redone(report.meter, slice.rows.size())) return;
+  const std::uint64_t n_rays = report.meter.rays, n_traced = report.completion.traced;
+  visible = BitMatrix(visible.n_rows(), visible.n_columns());
+  report.completion = complete_with(source, s, kRedoneSlack * slack_, visible);
+  report.completion.traced += n_traced;
+  report.meter = measure_errors(slice, visible, rng);
+  report.meter.discarded_rays = n_rays;
+  report.redone = true;
+}
+
+CompletedSlice SliceLoop::completed_slice(std::size_t s, std::span<const Column> columns,
+                                          const SliceVisibility& source) const {
+  return {.world = frame_.world,
+          .receivers = frame_.receivers,
+          .rows = slices_.rows(s),
+          .lights = frame_.lights,
+          .columns = columns,
+          .active = source.active_matrix(),
+          .clamp_distance = params_.cut.clamp_distance,
+          .unit = mean_radiance_};
+}
+
+bool SliceLoop::is_redone(const MeterReading& meter, std::size_t n_rows) const {
+  if (meter.false_visible + meter.false_occluded < kLeastWrongRays) return false;
+  const double limit = kRedoneAbove * static_cast<double>(method_.largest_error);
+  return pilot_errors_.ratio() * meter.squares / static_cast<double>(n_rows) > limit * limit;
+}
+
+/// Tells the source what the method wants to know of columns and entries.
+void SliceLoop::prepare(std::size_t s, std::span<const Column> columns, SliceVisibility& source) const {
+  if (method_.energies)
+    source.set_energies(column_energies(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, columns,
+                                        params_.cut.clamp_distance));
+  if (has_meter())
+    source.set_block_energies(BlockEnergies(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, tree_,
+                                            columns, params_.cut.clamp_distance, mean_radiance_));
+  if (guess_limit_ <= 0) return;
+  source.require(heavy_entries(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, tree_, columns,
+                               source.active_matrix(), params_.cut.clamp_distance, guess_limit_));
+}
+
+void SliceLoop::shade(std::size_t s, std::span<const Column> columns, const BitMatrix& visible) {
+  std::vector<Rgb> radiance(slices_.rows(s).size());
+  const ShadeResult sums = shade_slice(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, columns, visible,
+                                       {.clamp_distance = params_.cut.clamp_distance}, radiance);
+  reports_[s].radiance_sum = sums.radiance_sum, reports_[s].clamped_away_sum = sums.clamped_away_sum;
+  store(s, columns.size(), radiance);
+}
+
+void SliceLoop::store(std::size_t s, std::size_t n_columns, std::span<const Rgb> radiance) {
+  const std::span<const ReceiverId> rows = slices_.rows(s);
+  const SliceReport& report = reports_[s];
+  const CompletionStats& c = report.completion;
+  const float fraction = c.entries > 0 ? static_cast<float>(c.traced) / static_cast<float>(c.entries) : 0.0f;
+  const double square = pilot_errors_.ratio() * report.meter.squares / static_cast<double>(rows.size());
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const std::size_t i = index(rows[k]);
+    result.radiance[i] = radiance[k];
+    result.slice[i] = static_cast<std::uint32_t>(s);
+    result.cut_size[i] = static_cast<float>(n_columns);
+    result.visibility_fraction[i] = fraction;
+    if (!result.visibility_error.empty()) result.visibility_error[i] = static_cast<float>(std::sqrt(square));
+  }
+}
+
+void SliceLoop::finish(double loop_wall_s, RenderStats& stats, RenderStats::Visibility::Meter& meter) {
+  SliceReport sum;
+  for (const SliceReport& s : reports_) {
+    sum.completion += s.completion;
+    sum.rays += s.rays, sum.columns += s.columns;
+    sum.checked += s.checked, sum.false_visible += s.false_visible, sum.false_occluded += s.false_occluded;
+    sum.memory_bytes = std::max(sum.memory_bytes, s.memory_bytes);
+    sum.cut_s += s.cut_s, sum.visibility_s += s.visibility_s, sum.complete_s += s.complete_s, sum.shade_s += s.shade_s;
+    sum.radiance_sum += s.radiance_sum, sum.clamped_away_sum += s.clamped_away_sum;
+  }
+  for (const PilotSlice& slice : pilot_) sum.memory_bytes += slice.memory_bytes();
+  const double cpu_s = sum.cut_s + sum.visibility_s + sum.complete_s + sum.shade_s;
+  const double scale = cpu_s > 0 ? loop_wall_s / cpu_s : 0;
+  stats.time_s["cluster"] += scale * sum.cut_s;
+  stats.time_s["visibility"] += scale * sum.visibility_s;
+  stats.time_s["complete"] += scale * sum.complete_s;
+  stats.time_s["shade"] += scale * sum.shade_s;
+  RenderStats::Visibility& v = stats.visibility;
+  v.entries += sum.completion.entries, v.traced += sum.completion.traced;
+  v.fully_sampled_columns += sum.completion.full_columns;
+  v.verified_columns += sum.completion.verified_columns;
+  v.checked += sum.checked, v.false_visible += sum.false_visible, v.false_occluded += sum.false_occluded;
+  stats.rays.shadow += sum.rays;
+  const std::size_t n = reports_.size();
+  stats.slices += n;
+  stats.memory.slices_peak = std::max(stats.memory.slices_peak, sum.memory_bytes);
+  // Means over passes: each pass adds its own share, the pipeline divides.
+  if (n > 0) stats.clusters_mean += static_cast<double>(sum.columns) / static_cast<double>(n);
+  const double radiance = sum.radiance_sum + sum.clamped_away_sum;
+  stats.clamped_energy_fraction += radiance > 0 ? sum.clamped_away_sum / radiance : 0;
+  if (has_meter()) add_meter(meter);
+  v.meter += meter;
+}
+
+/// Squares and bias are sums over slices, whose scatter tells how sure they are.
+void SliceLoop::add_meter(RenderStats::Visibility::Meter& meter) const {
+  double squares = 0, squares2 = 0, bias = 0, bias2 = 0, n_rows = 0;
+  for (std::size_t s = 0; s < reports_.size(); ++s) {
+    const SliceReport& r = reports_[s];
+    meter.rays += r.meter.rays;
+    meter.wrong += r.meter.false_visible + r.meter.false_occluded;
+    meter.redone_slices += r.redone ? 1 : 0;
+    squares += r.meter.squares, squares2 += r.meter.squares * r.meter.squares;
+    bias += r.meter.bias, bias2 += r.meter.bias * r.meter.bias;
+    n_rows += static_cast<double>(slices_.rows(s).size());
+  }
+  const double n = static_cast<double>(reports_.size()), ratio = pilot_errors_.ratio() / n_rows;
+  meter.slices = reports_.size();
+  meter.error_square = ratio * squares;
+  meter.error_square_variance = ratio * ratio * std::max(0.0, squares2 - squares * squares / n);
+  meter.bias = bias / n_rows;
+  meter.bias_variance = std::max(0.0, bias2 - bias * bias / n) / (n_rows * n_rows);
+  meter.slack = static_cast<double>(slack_);
+  meter.pilot_error = std::sqrt(pilot_errors_.square);
+}
+
+}  // namespace myrialux

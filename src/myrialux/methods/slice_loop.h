@@ -1,0 +1,92 @@
+// One frame's slices, one after another: what the slice driver keeps while it runs.
+#pragma once
+
+#include <memory>
+
+#include "myrialux/methods/slice_driver.h"
+#include "myrialux/visibility/error_meter.h"
+
+namespace myrialux {
+
+/// What one slice leaves behind for the statistics.
+struct SliceReport {
+  CompletionStats completion;
+  double radiance_sum = 0, clamped_away_sum = 0;
+  std::uint64_t rays = 0, columns = 0, memory_bytes = 0;
+  std::uint64_t checked = 0, false_visible = 0, false_occluded = 0;  ///< entries; pilot only
+  MeterReading meter;
+  bool redone = false;
+  double cut_s = 0, visibility_s = 0, complete_s = 0, shade_s = 0;  ///< CPU seconds
+};
+
+/// A slice of the pilot, traced whole.
+struct PilotSlice {
+  std::vector<Column> columns;
+  std::unique_ptr<SliceVisibility> source;
+  BitMatrix truth;
+  std::vector<Rgb> radiance;
+  std::uint64_t memory_bytes() const;
+};
+
+/// What the slices share, and what they leave behind. Slices are independent, so each thread takes one whole.
+class SliceLoop {
+ public:
+  SliceLoop(const FrameView& frame, const MethodParams& params, const SliceMethod& method, const Slices& slices,
+            const LightTree& tree, ChooseColumns choose_columns);
+
+  /// Traces some slices whole; their mean radiance sets the limit of what may be guessed in the others, and their
+  /// errors set the slack.
+  void run_pilot(Progress& progress);
+  /// All other slices.
+  void run(Progress& progress);
+  /// Adds counters, and times in proportion to CPU time, as threads work on different stages
+  /// at the same time.
+  /// @param meter set to what this pass measured, if it did; also added to stats
+  void finish(double loop_wall_s, RenderStats& stats, RenderStats::Visibility::Meter& meter);
+
+  MethodResult result;
+
+ private:
+  struct PilotErrors {
+    double square = 0;        ///< mean over pixels, over the squared mean radiance
+    double wrong_square = 0;  ///< mean over rows of the sum of squared energies of wrong entries
+    /// From the second to the first: wrong entries of a row add up, those of a pixel's rows partly cancel.
+    double ratio() const { return wrong_square > 0 && square > 0 ? square / wrong_square : 1; }
+  };
+
+  void render(std::size_t s);
+  void render_pilot(std::size_t k);
+  void complete(std::size_t s, std::span<const Column> columns, SliceVisibility& source, BitMatrix& visible);
+  CompletionStats complete_with(EntrySource& source, std::size_t s, float slack, BitMatrix& visible) const;
+  CompletedSlice completed_slice(std::size_t s, std::span<const Column> columns, const SliceVisibility& source) const;
+  bool is_redone(const MeterReading& meter, std::size_t n_rows) const;
+  void prepare(std::size_t s, std::span<const Column> columns, SliceVisibility& source) const;
+  void shade(std::size_t s, std::span<const Column> columns, const BitMatrix& visible);
+  void store(std::size_t s, std::size_t n_columns, std::span<const Rgb> radiance);
+
+  void choose_slack();
+  double pilot_square(float slack);
+  void check_pilot();
+  double pixel_squares(std::span<const ReceiverId> rows, std::span<const Rgb> truth, std::span<const Rgb> other) const;
+  std::size_t pilot_slice(std::size_t k) const { return first_pilot_ + k * pilot_stride_; }
+  bool in_pilot(std::size_t s) const { return !pilot_.empty() && s % pilot_stride_ == first_pilot_; }
+  bool has_meter() const { return method_.complete_within && mean_radiance_ > 0; }
+
+  void add_meter(RenderStats::Visibility::Meter& meter) const;
+
+  const FrameView& frame_;
+  const MethodParams& params_;
+  const SliceMethod& method_;
+  const Slices& slices_;
+  const LightTree& tree_;
+  const ChooseColumns choose_columns_;
+  std::vector<SliceReport> reports_;  ///< by slice
+  std::vector<PilotSlice> pilot_;
+  std::size_t pilot_stride_ = 1, first_pilot_ = 0;
+  float mean_radiance_ = 0;  ///< of the pilot, beta included; 0: no pilot
+  float guess_limit_ = 0;    ///< weight of an entry, radiance; 0: all may be guessed
+  float slack_ = 1;          ///< of complete_within; 0: all is traced
+  PilotErrors pilot_errors_;
+};
+
+}  // namespace myrialux
