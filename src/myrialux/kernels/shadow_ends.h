@@ -35,4 +35,17 @@ struct ShadowLight {
 void shadow_ends(const PacketRows& rows, const ShadowLight& light, float* const from[3], float* const to[3]);
 void shadow_ends_plain(const PacketRows& rows, const ShadowLight& light, float* const from[3], float* const to[3]);
 
+/// Where rays are written, one a lane; each array starts at a multiple of 64 bytes.
+struct PacketRays {
+  float* origin[3];
+  float* direction[3];  ///< to - from; for distant lights the direction towards them
+  float* far;           ///< largest t that counts
+};
+
+/// shadow_ends() straight to rays: origin = from, direction = to - from, t up to `far` (distant lights: infinity).
+/// Same bits on every instruction set. Cost: about 45 operations a row; whole vectors are stored, so that a tracer
+/// which loads whole vectors need not wait for parts of them.
+void shadow_rays(const PacketRows& rows, const ShadowLight& light, float far, const PacketRays& rays);
+void shadow_rays_plain(const PacketRows& rows, const ShadowLight& light, float far, const PacketRays& rays);
+
 }  // namespace myrialux

@@ -10,6 +10,7 @@
 #include "myrialux/base/clock.h"
 #include "myrialux/kernels/active_bits.h"
 #include "myrialux/matrix/bit_ops.h"
+#include "myrialux/trace/embree.h"
 #include "myrialux/transfer/transfer.h"
 #include "myrialux/visibility/shadow_light.h"
 
@@ -30,6 +31,18 @@ struct alignas(64) GatheredRows {
   std::array<std::uint32_t, kPacketRows> row{};
   std::size_t size = 0;
 };
+
+/// Packets on their way: rays of several are made before the first is traced, so that Embree does not wait for what
+/// has just been written.
+struct alignas(64) Packets {
+  static constexpr std::size_t kMost = 8;  ///< 6 KiB stay in the first cache
+  RTCRay16 rays[kMost];
+  std::uint32_t valid[kMost], blocked[kMost];
+  std::uint32_t first_row[kMost];  ///< of adjacent rows; kGathered: see `rows`
+  std::array<std::uint32_t, kPacketRows> rows[kMost];
+  std::size_t size = 0;
+};
+constexpr std::uint32_t kGathered = 0xffffffffu;
 
 PacketRows packet_rows(const RowBlock& rows, const BlockOffsets& offsets, std::size_t first) {
   return {{rows.p[0] + first, rows.p[1] + first, rows.p[2] + first},
@@ -72,6 +85,7 @@ struct SliceVisibility::State {
   std::vector<RowPoint> points;  ///< [n_rows]
   std::vector<float> energies;   ///< [n_columns], or empty
   std::optional<BlockEnergies> block_energies;
+  Packets on_the_way;
   std::uint64_t rays = 0, packets = 0;
   double wall_in_trace_s = 0;
   Stopwatch wall;
@@ -81,10 +95,13 @@ struct SliceVisibility::State {
   void group_columns(Vec3 centre, const VirtualLights& all, std::span<const Column> columns);
   void find_active(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
                    const VirtualLights& all, std::span<const Column> columns);
-  std::uint32_t occluded(const PacketRows& rows, const ShadowLight& light, std::uint32_t valid);
+  /// Sends a packet off; its bits arrive at the latest with land().
+  void send(const PacketRows& rows, const ShadowLight& light, std::uint32_t valid, std::uint32_t first_row,
+            MutableWords visible);
+  void land(MutableWords visible);
   void gather(GatheredRows& gathered, std::size_t word, std::uint64_t rows, const ShadowLight& light,
               MutableWords visible);
-  void trace_gathered(GatheredRows& gathered, const ShadowLight& light, MutableWords visible);
+  void send_gathered(GatheredRows& gathered, const ShadowLight& light, MutableWords visible);
 };
 
 SliceVisibility::SliceVisibility(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
@@ -100,9 +117,11 @@ SliceVisibility::SliceVisibility(const World& world, const Receivers& receivers,
                        .points = {},
                        .energies = {},
                        .block_energies = {},
+                       .on_the_way = {},
                        .wall = {},
                        .cpu = {}}) {
   State& s = *state_;
+  for (RTCRay16& rays : s.on_the_way.rays) init_rays(rays);
   s.lay_out_rows(receivers, rows);
   s.group_columns(slice_centre(receivers, rows), lights, columns);
   s.lights.reserve(columns.size());
@@ -220,24 +239,46 @@ void SliceVisibility::trace(std::size_t j, Words wanted, MutableWords visible) {
       if (std::popcount(valid) < kLeastOwnRows) {
         sparse |= std::uint64_t{valid} << first;
       } else {
-        const std::uint64_t blocked = s.occluded(packet_rows(s.blocks[w], s.offsets[w], first), light, valid);
-        visible[w] = (visible[w] & ~(std::uint64_t{valid} << first)) | (valid & ~blocked) << first;
+        s.send(packet_rows(s.blocks[w], s.offsets[w], first), light, valid,
+               static_cast<std::uint32_t>(w * kBlockRows + first), visible);
       }
     }
     if (sparse != 0) s.gather(gathered, w, sparse, light, visible);
   }
-  if (gathered.size > 0) s.trace_gathered(gathered, light, visible);
+  if (gathered.size > 0) s.send_gathered(gathered, light, visible);
+  s.land(visible);
   s.wall_in_trace_s += watch.elapsed();
 }
 
-std::uint32_t SliceVisibility::State::occluded(const PacketRows& rows, const ShadowLight& light, std::uint32_t valid) {
-  Segments<16> segments;
-  float* const from[3] = {segments.from_x, segments.from_y, segments.from_z};
-  float* const to[3] = {segments.to_x, segments.to_y, segments.to_z};
-  shadow_ends(rows, light, from, to);
-  ++packets;
-  return light.end == SegmentEnd::direction ? tracer.occluded_packet_direction<16>(segments, valid, true)
-                                            : tracer.occluded_packet<16>(segments, valid, true);
+void SliceVisibility::State::send(const PacketRows& rows, const ShadowLight& light, std::uint32_t valid,
+                                  std::uint32_t first_row, MutableWords visible) {
+  Packets& p = on_the_way;
+  if (p.size == Packets::kMost) land(visible);
+  RTCRay16& r = p.rays[p.size];
+  shadow_rays(rows, light, kSegmentEnd, {{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, r.tfar});
+  p.valid[p.size] = valid, p.first_row[p.size] = first_row;
+  ++p.size, ++packets;
+}
+
+void SliceVisibility::State::land(MutableWords visible) {
+  Packets& p = on_the_way;
+  tracer.occluded_rays(std::span(p.rays, p.size), std::span(p.valid, p.size), std::span(p.blocked, p.size));
+  for (std::size_t k = 0; k < p.size; ++k) {
+    const std::uint32_t seen = p.valid[k] & ~p.blocked[k];
+    if (p.first_row[k] != kGathered) {
+      const std::size_t w = p.first_row[k] / kBlockRows, shift = p.first_row[k] % kBlockRows;
+      visible[w] = (visible[w] & ~(std::uint64_t{p.valid[k]} << shift)) | std::uint64_t{seen} << shift;
+      continue;
+    }
+    const auto n = static_cast<std::size_t>(std::popcount(p.valid[k]));
+    for (std::size_t lane = 0; lane < n; ++lane) {
+      if (seen >> lane & 1)
+        set_bit(visible, p.rows[k][lane]);
+      else
+        clear_bit(visible, p.rows[k][lane]);
+    }
+  }
+  p.size = 0;
 }
 
 void SliceVisibility::State::gather(GatheredRows& gathered, std::size_t word, std::uint64_t rows,
@@ -251,19 +292,13 @@ void SliceVisibility::State::gather(GatheredRows& gathered, std::size_t word, st
     }
     gathered.offset[lane] = offsets[word].offset[bit];
     gathered.row[lane] = static_cast<std::uint32_t>(word * kBlockRows + bit);
-    if (gathered.size == kPacketRows) trace_gathered(gathered, light, visible);
+    if (gathered.size == kPacketRows) send_gathered(gathered, light, visible);
   }
 }
 
-void SliceVisibility::State::trace_gathered(GatheredRows& gathered, const ShadowLight& light, MutableWords visible) {
-  const std::uint32_t valid = static_cast<std::uint32_t>(low_bits(gathered.size));
-  const std::uint32_t blocked = occluded(packet_rows(gathered), light, valid);
-  for (std::size_t lane = 0; lane < gathered.size; ++lane) {
-    if (blocked >> lane & 1)
-      clear_bit(visible, gathered.row[lane]);
-    else
-      set_bit(visible, gathered.row[lane]);
-  }
+void SliceVisibility::State::send_gathered(GatheredRows& gathered, const ShadowLight& light, MutableWords visible) {
+  send(packet_rows(gathered), light, static_cast<std::uint32_t>(low_bits(gathered.size)), kGathered, visible);
+  on_the_way.rows[on_the_way.size - 1] = gathered.row;
   gathered.size = 0;
 }
 
