@@ -1,6 +1,9 @@
 // Signs of up to four cosines a row, packed into bits; plain twin below.
 #include "myrialux/kernels/active_bits.h"
 
+#include <algorithm>
+#include <cstring>
+
 #include "myrialux/base/assert.h"
 #include "myrialux/kernels/targets.h"
 // The rest of this file up to HWY_ONCE is compiled once for each instruction set.
@@ -15,7 +18,8 @@ namespace myrialux {
 namespace HWY_NAMESPACE {
 namespace {
 
-template <bool kDistant, LitSides kSides>
+/// kFlat: shading and geometric normals of all rows are the same; kFlatLight: the light's are.
+template <bool kDistant, LitSides kSides, bool kFlat, bool kFlatLight>
 HWY_INLINE std::uint64_t active_word(const RowBlock& rows, std::uint64_t both_sides, const ActivityLight& light) {
   const D d;
   const V zero = hn::Zero(d);
@@ -23,11 +27,12 @@ HWY_INLINE std::uint64_t active_word(const RowBlock& rows, std::uint64_t both_si
   std::uint64_t word = 0;
   for (std::size_t row = 0; row < kBlockRows; row += hn::Lanes(d)) {
     const V3 w = kDistant ? to : to - load(d, rows.p, row);
-    const V at_ng = dot_unfused(load(d, rows.ng, row), w), at_n = dot_unfused(load(d, rows.n, row), w);
+    const V at_ng = dot_unfused(load(d, rows.ng, row), w);
+    const V at_n = kFlat ? at_ng : dot_unfused(load(d, rows.n, row), w);
     const Mask behind = hn::And(hn::And(hn::Lt(at_ng, zero), hn::Lt(at_n, zero)), mask_of(d, both_sides, row));
     Mask active = hn::Or(hn::And(hn::Gt(at_ng, zero), hn::Gt(at_n, zero)), behind);
     if constexpr (kSides != LitSides::all) {  // w points to the light, so its front sees it from the other way
-      const V from_ng = dot_unfused(light_ng, w), from_n = dot_unfused(light_n, w);
+      const V from_ng = dot_unfused(light_ng, w), from_n = kFlatLight ? from_ng : dot_unfused(light_n, w);
       Mask lit = hn::And(hn::Lt(from_ng, zero), hn::Lt(from_n, zero));
       if constexpr (kSides == LitSides::front_and_back)
         lit = hn::Or(lit, hn::And(hn::Gt(from_ng, zero), hn::Gt(from_n, zero)));
@@ -40,30 +45,60 @@ HWY_INLINE std::uint64_t active_word(const RowBlock& rows, std::uint64_t both_si
   return word;
 }
 
+/// Blocks that are held against one light after the other: their 9 KiB stay in the first cache.
+constexpr std::size_t kTile = 4;
+
+struct Tile {
+  std::span<const RowBlock> blocks;
+  std::span<const std::uint64_t> both_sides;
+  bool flat = false;
+};
+
+template <bool kDistant, LitSides kSides, bool kFlat, bool kFlatLight>
+HWY_INLINE void active_tile(const Tile& tile, const ActivityLight& light, std::uint64_t* active) {
+  for (std::size_t b = 0; b < tile.blocks.size(); ++b)
+    active[b] = active_word<kDistant, kSides, kFlat, kFlatLight>(tile.blocks[b], tile.both_sides[b], light);
+}
+
 template <bool kDistant, LitSides kSides>
-void active_words(std::span<const RowBlock> blocks, std::span<const std::uint64_t> both_sides,
-                  const ActivityLight& light, std::span<std::uint64_t> active) {
-  for (std::size_t b = 0; b < blocks.size(); ++b)
-    active[b] = active_word<kDistant, kSides>(blocks[b], both_sides[b], light);
+void active_of_light(const Tile& tile, const ActivityLight& light, std::uint64_t* active) {
+  const bool flat_light = std::memcmp(light.n, light.ng, sizeof light.n) == 0;
+  if (tile.flat)
+    flat_light ? active_tile<kDistant, kSides, true, true>(tile, light, active)
+               : active_tile<kDistant, kSides, true, false>(tile, light, active);
+  else
+    flat_light ? active_tile<kDistant, kSides, false, true>(tile, light, active)
+               : active_tile<kDistant, kSides, false, false>(tile, light, active);
 }
 
 template <bool kDistant>
-void active_any(std::span<const RowBlock> blocks, std::span<const std::uint64_t> both_sides, const ActivityLight& light,
-                std::span<std::uint64_t> active) {
+void active_any(const Tile& tile, const ActivityLight& light, std::uint64_t* active) {
   switch (light.sides) {
     case LitSides::all:
-      return active_words<kDistant, LitSides::all>(blocks, both_sides, light, active);
+      return active_of_light<kDistant, LitSides::all>(tile, light, active);
     case LitSides::front:
-      return active_words<kDistant, LitSides::front>(blocks, both_sides, light, active);
+      return active_of_light<kDistant, LitSides::front>(tile, light, active);
     case LitSides::front_and_back:
-      return active_words<kDistant, LitSides::front_and_back>(blocks, both_sides, light, active);
+      return active_of_light<kDistant, LitSides::front_and_back>(tile, light, active);
   }
 }
 
-void active(std::span<const RowBlock> blocks, std::span<const std::uint64_t> both_sides, const ActivityLight& light,
-            std::span<std::uint64_t> words) {
-  light.distant ? active_any<true>(blocks, both_sides, light, words)
-                : active_any<false>(blocks, both_sides, light, words);
+bool is_flat(std::span<const RowBlock> blocks) {
+  return std::all_of(blocks.begin(), blocks.end(),
+                     [](const RowBlock& b) { return std::memcmp(b.n, b.ng, sizeof b.n) == 0; });
+}
+
+void active(std::span<const RowBlock> blocks, std::span<const std::uint64_t> both_sides,
+            std::span<const ActivityLight> lights, std::span<std::uint64_t> words) {
+  for (std::size_t first = 0; first < blocks.size(); first += kTile) {
+    const std::size_t n = std::min(kTile, blocks.size() - first);
+    const std::span<const RowBlock> some = blocks.subspan(first, n);
+    const Tile tile{some, both_sides.subspan(first, n), is_flat(some)};
+    for (std::size_t j = 0; j < lights.size(); ++j) {
+      std::uint64_t* const to = words.data() + j * blocks.size() + first;
+      lights[j].distant ? active_any<true>(tile, lights[j], to) : active_any<false>(tile, lights[j], to);
+    }
+  }
 }
 
 }  // namespace
@@ -77,9 +112,9 @@ namespace myrialux {
 HWY_EXPORT(active);
 
 void active_bits(std::span<const RowBlock> blocks, std::span<const std::uint64_t> both_sides,
-                 const ActivityLight& light, std::span<std::uint64_t> active) {
-  MYRIALUX_ASSERT(both_sides.size() == blocks.size() && active.size() == blocks.size());
-  HWY_DYNAMIC_DISPATCH(active)(blocks, both_sides, light, active);
+                 std::span<const ActivityLight> lights, std::span<std::uint64_t> active) {
+  MYRIALUX_ASSERT(both_sides.size() == blocks.size() && active.size() == lights.size() * blocks.size());
+  HWY_DYNAMIC_DISPATCH(active)(blocks, both_sides, lights, active);
 }
 
 namespace {
@@ -103,12 +138,13 @@ bool is_active(const RowBlock& rows, std::size_t row, bool both_sides, const Act
 }  // namespace
 
 void active_bits_plain(std::span<const RowBlock> blocks, std::span<const std::uint64_t> both_sides,
-                       const ActivityLight& light, std::span<std::uint64_t> active) {
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    active[b] = 0;
-    for (std::size_t row = 0; row < kBlockRows; ++row)
-      if (is_active(blocks[b], row, both_sides[b] >> row & 1, light)) active[b] |= std::uint64_t{1} << row;
-  }
+                       std::span<const ActivityLight> lights, std::span<std::uint64_t> active) {
+  for (std::size_t j = 0; j < lights.size(); ++j)
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      std::uint64_t& word = active[j * blocks.size() + b] = 0;
+      for (std::size_t row = 0; row < kBlockRows; ++row)
+        if (is_active(blocks[b], row, both_sides[b] >> row & 1, lights[j])) word |= std::uint64_t{1} << row;
+    }
 }
 
 }  // namespace myrialux

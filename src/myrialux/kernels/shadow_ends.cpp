@@ -77,6 +77,18 @@ void rays(const PacketRows& rows, const ShadowLight& light, float far, const Pac
   }
 }
 
+void rays_to(const float* const from[3], const KnownEnd& end, float far, const PacketRays& to) {
+  const D d;
+  const V3 p = spread(d, end.p);
+  const V t = hn::Set(d, end.distant ? std::numeric_limits<float>::infinity() : far);
+  for (std::size_t row = 0; row < kPacketRows; row += hn::Lanes(d)) {
+    const V3 a = load_at(d, from, row);
+    store_at(d, a, to.origin, row);
+    store_at(d, end.distant ? p : p - a, to.direction, row);
+    hn::Store(t, d, to.far + row);
+  }
+}
+
 void ends(const PacketRows& rows, const ShadowLight& light, float* const from[3], float* const to[3]) {
   switch (light.end) {
     case SegmentEnd::surface:
@@ -98,6 +110,7 @@ namespace myrialux {
 
 HWY_EXPORT(ends);
 HWY_EXPORT(rays);
+HWY_EXPORT(rays_to);
 
 void shadow_ends(const PacketRows& rows, const ShadowLight& light, float* const from[3], float* const to[3]) {
   HWY_DYNAMIC_DISPATCH(ends)(rows, light, from, to);
@@ -105,6 +118,10 @@ void shadow_ends(const PacketRows& rows, const ShadowLight& light, float* const 
 
 void shadow_rays(const PacketRows& rows, const ShadowLight& light, float far, const PacketRays& to) {
   HWY_DYNAMIC_DISPATCH(rays)(rows, light, far, to);
+}
+
+void shadow_rays_to(const float* const from[3], const KnownEnd& end, float far, const PacketRays& to) {
+  HWY_DYNAMIC_DISPATCH(rays_to)(from, end, far, to);
 }
 
 void shadow_ends_plain(const PacketRows& rows, const ShadowLight& light, float* const from[3], float* const to[3]) {

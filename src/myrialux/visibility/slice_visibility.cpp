@@ -24,10 +24,14 @@ constexpr int kLeastOwnRows = 8;
 struct alignas(64) BlockOffsets {
   BlockFloats offset;
 };
+/// Where segments start on the front side.
+struct alignas(64) BlockStarts {
+  BlockFloats p[3];
+};
 
 /// Wanted rows of sparse blocks, moved together until a packet is full.
 struct alignas(64) GatheredRows {
-  PacketFloats p[3] = {}, ng[3] = {}, offset = {};
+  PacketFloats p[3] = {}, ng[3] = {}, offset = {};  ///< the last two unless ends are fixed; p is the start if so
   std::array<std::uint32_t, kPacketRows> row{};
   std::size_t size = 0;
 };
@@ -80,6 +84,11 @@ struct SliceVisibility::State {
   std::vector<RowBlock> blocks;       ///< [words_per_column]; rows that do not exist have zero normals
   std::vector<BlockOffsets> offsets;  ///< [words_per_column]
   std::vector<ShadowLight> lights;    ///< [n_columns]
+  /// Active rows of one-sided surfaces lie in front of a light's one side and it in front of theirs: then both ends
+  /// are known before they are joined. [words_per_column]; empty if some row is two-sided or not only active entries
+  /// are traced
+  std::vector<BlockStarts> starts;
+  std::vector<std::optional<KnownEnd>> ends;  ///< [n_columns], or empty like `starts`
   std::vector<std::size_t> group_ends;
   BitMatrix active, required;
   std::vector<RowPoint> points;  ///< [n_rows]
@@ -95,13 +104,16 @@ struct SliceVisibility::State {
   void group_columns(Vec3 centre, const VirtualLights& all, std::span<const Column> columns);
   void find_active(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
                    const VirtualLights& all, std::span<const Column> columns);
-  /// Sends a packet off; its bits arrive at the latest with land().
-  void send(const PacketRows& rows, const ShadowLight& light, std::uint32_t valid, std::uint32_t first_row,
-            MutableWords visible);
+  void fix_ends(const VirtualLights& all, std::span<const Column> columns, std::span<const ActivityLight> activity);
+  /// Sends a packet off; its bits arrive at the latest with land(). `start`: of the rows, in place of `rows` where the
+  /// column's end is fixed.
+  void send(std::size_t j, const PacketRows& rows, const float* const start[3], std::uint32_t valid,
+            std::uint32_t first_row, MutableWords visible);
+  void send_block(std::size_t j, std::size_t word, std::size_t first, std::uint32_t valid, MutableWords visible);
   void land(MutableWords visible);
-  void gather(GatheredRows& gathered, std::size_t word, std::uint64_t rows, const ShadowLight& light,
-              MutableWords visible);
-  void send_gathered(GatheredRows& gathered, const ShadowLight& light, MutableWords visible);
+  void gather(GatheredRows& gathered, std::size_t j, std::size_t word, std::uint64_t rows, MutableWords visible);
+  void send_gathered(GatheredRows& gathered, std::size_t j, MutableWords visible);
+  bool is_fixed(std::size_t j) const { return !ends.empty() && ends[j].has_value(); }
 };
 
 SliceVisibility::SliceVisibility(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
@@ -111,6 +123,8 @@ SliceVisibility::SliceVisibility(const World& world, const Receivers& receivers,
                        .blocks = {},
                        .offsets = {},
                        .lights = {},
+                       .starts = {},
+                       .ends = {},
                        .group_ends = {},
                        .active = BitMatrix(rows.size(), columns.size()),
                        .required = {},
@@ -166,16 +180,41 @@ void SliceVisibility::State::group_columns(Vec3 centre, const VirtualLights& all
 void SliceVisibility::State::find_active(const World& world, const Receivers& receivers,
                                          std::span<const ReceiverId> rows, const VirtualLights& all,
                                          std::span<const Column> columns) {
+  if (columns.empty()) return;
   std::vector<std::uint64_t> both_sides(blocks.size());
+  bool one_sided = true;
   for (std::size_t r = 0; r < rows.size(); ++r)
-    if (transmits(world, receivers.bsdf[index(rows[r])])) set_bit(both_sides, r);
+    if (transmits(world, receivers.bsdf[index(rows[r])])) set_bit(both_sides, r), one_sided = false;
+  std::vector<ActivityLight> activity;
+  activity.reserve(columns.size());
+  for (const Column& column : columns) activity.push_back(activity_light(world, all, index(column.light)));
+  active_bits(blocks, both_sides, activity, MutableWords(active.column(0).data(), active.n_words()));
   for (std::size_t j = 0; j < columns.size(); ++j) {
     const LightId light = columns[j].light;
-    active_bits(blocks, both_sides, activity_light(world, all, index(light)), active.column(j));
     if (is_spot(all, index(light)))  // few, and their cone is a matter of angles
       for_each_bit(active.column(j), [&](std::size_t r) {
         if (!is_active(world, receivers, rows[r], all, light)) clear_bit(active.column(j), r);
       });
+  }
+  if (one_sided) fix_ends(all, columns, activity);
+}
+
+/// The operations of shadow_rays() where the signs of both cosines are known, so that bits are the same.
+void SliceVisibility::State::fix_ends(const VirtualLights& all, std::span<const Column> columns,
+                                      std::span<const ActivityLight> activity) {
+  starts.resize(blocks.size());
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    for (int k = 0; k < 3; ++k)
+      for (std::size_t row = 0; row < kBlockRows; ++row)
+        starts[b].p[k][row] = blocks[b].p[k][row] + blocks[b].ng[k][row] * offsets[b].offset[row];
+  ends.resize(columns.size());
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    const ShadowLight light = shadow_light(all, index(columns[j].light));
+    if (light.end == SegmentEnd::surface && activity[j].sides != LitSides::front) continue;
+    KnownEnd end{{light.p[0], light.p[1], light.p[2]}, light.end == SegmentEnd::direction};
+    if (light.end == SegmentEnd::surface)
+      for (int k = 0; k < 3; ++k) end.p[k] += light.ng[k] * light.offset;
+    ends[j] = end;
   }
 }
 
@@ -220,6 +259,7 @@ double SliceVisibility::trace_seconds() const {
 std::size_t SliceVisibility::memory_bytes() const {
   const State& s = *state_;
   return s.blocks.size() * (sizeof(RowBlock) + sizeof(BlockOffsets)) + s.lights.size() * sizeof(ShadowLight) +
+         s.starts.size() * sizeof(BlockStarts) + s.ends.size() * sizeof(std::optional<KnownEnd>) +
          (s.block_energies ? s.block_energies->memory_bytes() : 0) + s.points.size() * sizeof(RowPoint) +
          s.energies.size() * sizeof(float) + (s.active.n_words() + s.required.n_words()) * sizeof(std::uint64_t);
 }
@@ -227,7 +267,6 @@ std::size_t SliceVisibility::memory_bytes() const {
 void SliceVisibility::trace(std::size_t j, Words wanted, MutableWords visible) {
   State& s = *state_;
   Stopwatch watch;
-  const ShadowLight& light = s.lights[j];
   GatheredRows gathered;
   for (std::size_t w = 0; w < wanted.size(); ++w) {
     MYRIALUX_ASSERT((wanted[w] & ~active(j)[w]) == 0);
@@ -239,25 +278,37 @@ void SliceVisibility::trace(std::size_t j, Words wanted, MutableWords visible) {
       if (std::popcount(valid) < kLeastOwnRows) {
         sparse |= std::uint64_t{valid} << first;
       } else {
-        s.send(packet_rows(s.blocks[w], s.offsets[w], first), light, valid,
-               static_cast<std::uint32_t>(w * kBlockRows + first), visible);
+        s.send_block(j, w, first, valid, visible);
       }
     }
-    if (sparse != 0) s.gather(gathered, w, sparse, light, visible);
+    if (sparse != 0) s.gather(gathered, j, w, sparse, visible);
   }
-  if (gathered.size > 0) s.send_gathered(gathered, light, visible);
+  if (gathered.size > 0) s.send_gathered(gathered, j, visible);
   s.land(visible);
   s.wall_in_trace_s += watch.elapsed();
 }
 
-void SliceVisibility::State::send(const PacketRows& rows, const ShadowLight& light, std::uint32_t valid,
-                                  std::uint32_t first_row, MutableWords visible) {
+void SliceVisibility::State::send(std::size_t j, const PacketRows& rows, const float* const start[3],
+                                  std::uint32_t valid, std::uint32_t first_row, MutableWords visible) {
   Packets& p = on_the_way;
   if (p.size == Packets::kMost) land(visible);
   RTCRay16& r = p.rays[p.size];
-  shadow_rays(rows, light, kSegmentEnd, {{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, r.tfar});
+  const PacketRays to{{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, r.tfar};
+  if (is_fixed(j))
+    shadow_rays_to(start, *ends[j], kSegmentEnd, to);
+  else
+    shadow_rays(rows, lights[j], kSegmentEnd, to);
   p.valid[p.size] = valid, p.first_row[p.size] = first_row;
   ++p.size, ++packets;
+}
+
+void SliceVisibility::State::send_block(std::size_t j, std::size_t word, std::size_t first, std::uint32_t valid,
+                                        MutableWords visible) {
+  const float* start[3] = {};
+  if (is_fixed(j))
+    for (int k = 0; k < 3; ++k) start[k] = starts[word].p[k] + first;
+  send(j, packet_rows(blocks[word], offsets[word], first), start, valid,
+       static_cast<std::uint32_t>(word * kBlockRows + first), visible);
 }
 
 void SliceVisibility::State::land(MutableWords visible) {
@@ -281,23 +332,25 @@ void SliceVisibility::State::land(MutableWords visible) {
   p.size = 0;
 }
 
-void SliceVisibility::State::gather(GatheredRows& gathered, std::size_t word, std::uint64_t rows,
-                                    const ShadowLight& light, MutableWords visible) {
+void SliceVisibility::State::gather(GatheredRows& gathered, std::size_t j, std::size_t word, std::uint64_t rows,
+                                    MutableWords visible) {
   const RowBlock& block = blocks[word];
+  const bool fixed = is_fixed(j);
   for (; rows != 0; rows &= rows - 1) {
     const std::size_t bit = static_cast<std::size_t>(std::countr_zero(rows)), lane = gathered.size++;
     for (int k = 0; k < 3; ++k) {
-      gathered.p[k][lane] = block.p[k][bit];
-      gathered.ng[k][lane] = block.ng[k][bit];
+      gathered.p[k][lane] = fixed ? starts[word].p[k][bit] : block.p[k][bit];
+      if (!fixed) gathered.ng[k][lane] = block.ng[k][bit];
     }
-    gathered.offset[lane] = offsets[word].offset[bit];
+    if (!fixed) gathered.offset[lane] = offsets[word].offset[bit];
     gathered.row[lane] = static_cast<std::uint32_t>(word * kBlockRows + bit);
-    if (gathered.size == kPacketRows) send_gathered(gathered, light, visible);
+    if (gathered.size == kPacketRows) send_gathered(gathered, j, visible);
   }
 }
 
-void SliceVisibility::State::send_gathered(GatheredRows& gathered, const ShadowLight& light, MutableWords visible) {
-  send(packet_rows(gathered), light, static_cast<std::uint32_t>(low_bits(gathered.size)), kGathered, visible);
+void SliceVisibility::State::send_gathered(GatheredRows& gathered, std::size_t j, MutableWords visible) {
+  const float* const start[3] = {gathered.p[0], gathered.p[1], gathered.p[2]};
+  send(j, packet_rows(gathered), start, static_cast<std::uint32_t>(low_bits(gathered.size)), kGathered, visible);
   on_the_way.rows[on_the_way.size - 1] = gathered.row;
   gathered.size = 0;
 }
