@@ -46,7 +46,7 @@ DEFECTS = [Defect(*d) for d in [
     ("offsets forget what an instance's transform rounds", "scene/shape_point.cpp",
      "constexpr double kPlacementUlps = 5;", "constexpr double kPlacementUlps = 0;", "trace", "Offset.*-*Slow*"),
     ("lanes that are off are traced", "trace/tracer.cpp",
-     "lanes[k] = (valid & (1u << k)) ? -1 : 0;\n  RayPacket", "lanes[k] = -1;\n  RayPacket", "trace", "Packets.*"),
+     "lanes.on[k] = -static_cast<int>(valid >> k & 1);", "lanes.on[k] = -1;", "trace", "Packets.*"),
     ("all lanes share the first one's cut-outs", "trace/masks.cpp",
      "context->origin(lane), context->direction(lane)", "context->origin(lane), context->direction(0)", "trace",
      "Packets.*"),

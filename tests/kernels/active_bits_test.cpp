@@ -73,7 +73,7 @@ void expect_same_rays(const PacketRows& rows, const ShadowLight& light) {
                     std::array<float*, 3>{ends[3], ends[4], ends[5]}.data());
   for (std::size_t row = 0; row < kPacketRows; ++row) {
     KnownEnd end{{ends[3][row], ends[4][row], ends[5][row]}, light.end == SegmentEnd::direction};
-    shadow_rays_to(std::array<const float*, 3>{ends[0], ends[1], ends[2]}.data(), end, kFar, as_rays(got));
+    shadow_rays_to(std::array<const float*, 3>{ends[0], ends[1], ends[2]}.data(), 1, end, kFar, as_rays(got));
     for (int k = 0; k < 7; ++k) EXPECT_EQ(got[k][row], expected[k][row]) << isa_name() << " row " << row;
   }
 }

@@ -1,6 +1,7 @@
 // Offsets take the sign of a cosine, row by row; plain twin below.
 #include "myrialux/kernels/shadow_ends.h"
 
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -77,15 +78,19 @@ void rays(const PacketRows& rows, const ShadowLight& light, float far, const Pac
   }
 }
 
-void rays_to(const float* const from[3], const KnownEnd& end, float far, const PacketRays& to) {
+void rays_to(const float* const from[3], std::uint32_t which, const KnownEnd& end, float far, const PacketRays& to) {
   const D d;
   const V3 p = spread(d, end.p);
   const V t = hn::Set(d, end.distant ? std::numeric_limits<float>::infinity() : far);
-  for (std::size_t row = 0; row < kPacketRows; row += hn::Lanes(d)) {
-    const V3 a = load_at(d, from, row);
-    store_at(d, a, to.origin, row);
-    store_at(d, end.distant ? p : p - a, to.direction, row);
-    hn::Store(t, d, to.far + row);
+  std::size_t packet = 0;
+  for (; which != 0; which &= which - 1, packet += to.stride) {
+    const std::size_t first = kPacketRows * static_cast<std::size_t>(std::countr_zero(which));
+    for (std::size_t row = 0; row < kPacketRows; row += hn::Lanes(d)) {
+      const V3 a = load_at(d, from, first + row);
+      store_at(d, a, to.origin, packet + row);
+      store_at(d, end.distant ? p : p - a, to.direction, packet + row);
+      hn::Store(t, d, to.far + packet + row);
+    }
   }
 }
 
@@ -120,8 +125,9 @@ void shadow_rays(const PacketRows& rows, const ShadowLight& light, float far, co
   HWY_DYNAMIC_DISPATCH(rays)(rows, light, far, to);
 }
 
-void shadow_rays_to(const float* const from[3], const KnownEnd& end, float far, const PacketRays& to) {
-  HWY_DYNAMIC_DISPATCH(rays_to)(from, end, far, to);
+void shadow_rays_to(const float* const from[3], std::uint32_t which, const KnownEnd& end, float far,
+                    const PacketRays& to) {
+  HWY_DYNAMIC_DISPATCH(rays_to)(from, which, end, far, to);
 }
 
 void shadow_ends_plain(const PacketRows& rows, const ShadowLight& light, float* const from[3], float* const to[3]) {

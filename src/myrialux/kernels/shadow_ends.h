@@ -38,8 +38,9 @@ void shadow_ends_plain(const PacketRows& rows, const ShadowLight& light, float* 
 /// Where rays are written, one a lane; each array starts at a multiple of 64 bytes.
 struct PacketRays {
   float* origin[3];
-  float* direction[3];  ///< to - from; for distant lights the direction towards them
-  float* far;           ///< largest t that counts
+  float* direction[3];     ///< to - from; for distant lights the direction towards them
+  float* far;              ///< largest t that counts
+  std::size_t stride = 0;  ///< floats from a packet's arrays to those of the next
 };
 
 /// shadow_ends() straight to rays: origin = from, direction = to - from, t up to `far` (distant lights: infinity).
@@ -53,7 +54,9 @@ struct KnownEnd {
   float p[3];  ///< end, off its surface, or the direction
   bool distant = false;
 };
-/// Rays from `from` = {x, y, z} [16 each] to one end, as shadow_rays() writes them. Cost: 3 operations a row.
-void shadow_rays_to(const float* const from[3], const KnownEnd& end, float far, const PacketRays& rays);
+/// Rays from `from` = {x, y, z} to one end, as shadow_rays() writes them: for each set bit q of `which`, those of rows
+/// 16 q to 16 q + 15, in the next packet of `rays`. Cost: 3 operations a row.
+void shadow_rays_to(const float* const from[3], std::uint32_t which, const KnownEnd& end, float far,
+                    const PacketRays& rays);
 
 }  // namespace myrialux

@@ -40,6 +40,13 @@ struct alignas(64) GatheredRows {
 /// has just been written.
 struct alignas(64) Packets {
   static constexpr std::size_t kMost = 8;  ///< 6 KiB stay in the first cache
+  PacketRays to(std::size_t k) {
+    RTCRay16& r = rays[k];
+    return {.origin = {r.org_x, r.org_y, r.org_z},
+            .direction = {r.dir_x, r.dir_y, r.dir_z},
+            .far = r.tfar,
+            .stride = sizeof(RTCRay16) / sizeof(float)};
+  }
   RTCRay16 rays[kMost];
   std::uint32_t valid[kMost], blocked[kMost];
   std::uint32_t first_row[kMost];  ///< of adjacent rows; kGathered: see `rows`
@@ -105,11 +112,10 @@ struct SliceVisibility::State {
   void find_active(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
                    const VirtualLights& all, std::span<const Column> columns);
   void fix_ends(const VirtualLights& all, std::span<const Column> columns, std::span<const ActivityLight> activity);
-  /// Sends a packet off; its bits arrive at the latest with land(). `start`: of the rows, in place of `rows` where the
-  /// column's end is fixed.
-  void send(std::size_t j, const PacketRows& rows, const float* const start[3], std::uint32_t valid,
-            std::uint32_t first_row, MutableWords visible);
-  void send_block(std::size_t j, std::size_t word, std::size_t first, std::uint32_t valid, MutableWords visible);
+  /// Sends packets off; their bits arrive at the latest with land(). First those of a block of 64 rows that have
+  /// enough of them; returns the rows left over.
+  std::uint64_t send_block(std::size_t j, std::size_t word, std::uint64_t wanted, MutableWords visible);
+  void announce(std::uint32_t valid, std::uint32_t first_row);
   void land(MutableWords visible);
   void gather(GatheredRows& gathered, std::size_t j, std::size_t word, std::uint64_t rows, MutableWords visible);
   void send_gathered(GatheredRows& gathered, std::size_t j, MutableWords visible);
@@ -272,15 +278,7 @@ void SliceVisibility::trace(std::size_t j, Words wanted, MutableWords visible) {
     MYRIALUX_ASSERT((wanted[w] & ~active(j)[w]) == 0);
     if (wanted[w] == 0) continue;
     s.rays += static_cast<std::uint64_t>(std::popcount(wanted[w]));
-    std::uint64_t sparse = 0;
-    for (std::size_t first = 0; first < kBlockRows; first += kPacketRows) {
-      const std::uint32_t valid = wanted[w] >> first & 0xffff;
-      if (std::popcount(valid) < kLeastOwnRows) {
-        sparse |= std::uint64_t{valid} << first;
-      } else {
-        s.send_block(j, w, first, valid, visible);
-      }
-    }
+    const std::uint64_t sparse = s.send_block(j, w, wanted[w], visible);
     if (sparse != 0) s.gather(gathered, j, w, sparse, visible);
   }
   if (gathered.size > 0) s.send_gathered(gathered, j, visible);
@@ -288,27 +286,40 @@ void SliceVisibility::trace(std::size_t j, Words wanted, MutableWords visible) {
   s.wall_in_trace_s += watch.elapsed();
 }
 
-void SliceVisibility::State::send(std::size_t j, const PacketRows& rows, const float* const start[3],
-                                  std::uint32_t valid, std::uint32_t first_row, MutableWords visible) {
+void SliceVisibility::State::announce(std::uint32_t valid, std::uint32_t first_row) {
   Packets& p = on_the_way;
-  if (p.size == Packets::kMost) land(visible);
-  RTCRay16& r = p.rays[p.size];
-  const PacketRays to{{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, r.tfar};
-  if (is_fixed(j))
-    shadow_rays_to(start, *ends[j], kSegmentEnd, to);
-  else
-    shadow_rays(rows, lights[j], kSegmentEnd, to);
   p.valid[p.size] = valid, p.first_row[p.size] = first_row;
   ++p.size, ++packets;
 }
 
-void SliceVisibility::State::send_block(std::size_t j, std::size_t word, std::size_t first, std::uint32_t valid,
-                                        MutableWords visible) {
-  const float* start[3] = {};
-  if (is_fixed(j))
-    for (int k = 0; k < 3; ++k) start[k] = starts[word].p[k] + first;
-  send(j, packet_rows(blocks[word], offsets[word], first), start, valid,
-       static_cast<std::uint32_t>(word * kBlockRows + first), visible);
+std::uint64_t SliceVisibility::State::send_block(std::size_t j, std::size_t word, std::uint64_t wanted,
+                                                 MutableWords visible) {
+  Packets& p = on_the_way;
+  constexpr std::uint32_t kParts = kBlockRows / kPacketRows;
+  if (p.size + kParts > Packets::kMost) land(visible);
+  const std::size_t first = p.size;
+  std::uint64_t sparse = 0;
+  std::uint32_t which = 0;
+  for (std::uint32_t q = 0; q < kParts; ++q) {
+    const std::uint64_t part = wanted & std::uint64_t{0xffff} << kPacketRows * q;
+    if (std::popcount(part) < kLeastOwnRows) {
+      sparse |= part;
+      continue;
+    }
+    which |= 1u << q;
+    announce(static_cast<std::uint32_t>(part >> kPacketRows * q),
+             static_cast<std::uint32_t>(word * kBlockRows + kPacketRows * q));
+  }
+  if (is_fixed(j)) {
+    const float* const start[3] = {starts[word].p[0], starts[word].p[1], starts[word].p[2]};
+    shadow_rays_to(start, which, *ends[j], kSegmentEnd, p.to(first));
+    return sparse;
+  }
+  for (std::size_t k = first; which != 0; which &= which - 1, ++k)
+    shadow_rays(
+        packet_rows(blocks[word], offsets[word], kPacketRows * static_cast<std::size_t>(std::countr_zero(which))),
+        lights[j], kSegmentEnd, p.to(k));
+  return sparse;
 }
 
 void SliceVisibility::State::land(MutableWords visible) {
@@ -349,9 +360,15 @@ void SliceVisibility::State::gather(GatheredRows& gathered, std::size_t j, std::
 }
 
 void SliceVisibility::State::send_gathered(GatheredRows& gathered, std::size_t j, MutableWords visible) {
+  Packets& p = on_the_way;
+  if (p.size == Packets::kMost) land(visible);
   const float* const start[3] = {gathered.p[0], gathered.p[1], gathered.p[2]};
-  send(j, packet_rows(gathered), start, static_cast<std::uint32_t>(low_bits(gathered.size)), kGathered, visible);
-  on_the_way.rows[on_the_way.size - 1] = gathered.row;
+  if (is_fixed(j))
+    shadow_rays_to(start, 1, *ends[j], kSegmentEnd, p.to(p.size));
+  else
+    shadow_rays(packet_rows(gathered), lights[j], kSegmentEnd, p.to(p.size));
+  p.rows[p.size] = gathered.row;
+  announce(static_cast<std::uint32_t>(low_bits(gathered.size)), kGathered);
   gathered.size = 0;
 }
 
