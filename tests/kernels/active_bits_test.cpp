@@ -25,13 +25,13 @@ RowBlock random_rows(Rng& rng) {
   return rows;
 }
 
-/// 64 neighbours on a plane, or nearly so: decided by their bounds, most of the time.
+/// 60 neighbours on a plane, or nearly so: decided by their bounds, most of the time.
 RowBlock neighbours(Rng& rng, float roughness) {
   RowBlock rows{};
   float p[3], n[3] = {0, 0, 0};
   n[rng.below(3)] = rng.below(2) ? 1.0f : -1.0f;
   for (float& x : p) x = coarse(rng);
-  for (std::size_t row = 0; row < kBlockRows; ++row)
+  for (std::size_t row = 0; row < 60; ++row)
     for (int k = 0; k < 3; ++k) {
       rows.p[k][row] = p[k] + (n[k] != 0 ? roughness : 0.25f) * (rng.next() - 0.5f);
       rows.ng[k][row] = n[k] + roughness * (rng.next() - 0.5f);
