@@ -120,12 +120,12 @@ double raw_seconds(const bench::Frame& f, std::span<const ReceiverId> rows, std:
   const bench::PacketMaker maker(f, rows);
   std::vector<bench::RawPacket> packets;
   double raw_s = 0;
-  constexpr std::size_t kChunk = 4;
-  for (std::size_t first = 0; first < columns.size(); first += kChunk) {
+  for (std::size_t first = 0; first < columns.size(); first += bench::kChunk) {
     packets.clear();
-    for (std::size_t j = first; j < std::min(first + kChunk, columns.size()); ++j)
+    for (std::size_t j = first; j < std::min(first + bench::kChunk, columns.size()); ++j)
       maker.add(shadow_light(f.lights.lights, index(columns[j].light)), source.active(j), false, packets);
-    raw_s += seconds([&] { bench::trace_raw(static_cast<RTCScene>(f.tracer.native_scene()), packets); });
+    raw_s += seconds([&] { bench::trace_raw(static_cast<RTCScene>(f.tracer.native_scene()), packets); }) -
+             bench::clock_seconds();
   }
   return raw_s;
 }

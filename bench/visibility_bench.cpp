@@ -17,8 +17,6 @@ namespace {
 
 /// Slices of a frame that are measured, evenly strewn.
 constexpr std::size_t kSlices = 6;
-/// Columns whose packets are prepared at a time: 4 of 64 packets of 832 bytes stay in the second cache.
-constexpr std::size_t kChunk = 4;
 /// Thread CPU seconds and counts, over slices and rounds.
 struct Sums {
   double active_s = 0, trace_s = 0, raw_s = 0, ends_s = 0, turned_s = 0;
@@ -55,13 +53,13 @@ void trace_slice_raw(const Slice& slice, bool from_light, Sums& sums) {
   const bench::PacketMaker maker(f, slice.rows);
   const auto scene = static_cast<RTCScene>(f.tracer.native_scene());
   std::vector<bench::RawPacket> packets;
-  for (std::size_t first = 0; first < slice.columns.size(); first += kChunk) {
+  for (std::size_t first = 0; first < slice.columns.size(); first += bench::kChunk) {
     packets.clear();
-    for (std::size_t j = first; j < std::min(first + kChunk, slice.columns.size()); ++j)
+    for (std::size_t j = first; j < std::min(first + bench::kChunk, slice.columns.size()); ++j)
       maker.add(slice.lights[j], source.active(j), from_light, packets);
     ThreadStopwatch watch;
     bench::trace_raw(scene, packets);
-    (from_light ? sums.turned_s : sums.raw_s) += watch.lap();
+    (from_light ? sums.turned_s : sums.raw_s) += watch.lap() - bench::clock_seconds();
     if (!from_light) sums.raw_packets += packets.size(), sums.raw_visible += bench::count_visible(packets);
   }
 }
