@@ -48,9 +48,9 @@ PROGRAMS = (
     Program("clusters_bench", 0.1, 3, only="^(slices|light_tree|agglomerative_tree|cut)/(250|1000|2000|[0-9]{5,7})/",
             quick_only="^(slices|light_tree|cut)/(1000|[0-9]{5,6})/"),
 )
-FRAME_METHODS = ("slice-lightcuts", "bamc", "lbamc", "lightcuts", "illumination-cut", "path")
+FRAME_METHODS = {"cornell-box": ("slice-lightcuts", "bamc", "lbamc", "lightcuts", "illumination-cut", "path"),
+                 "living-room": ("slice-lightcuts", "bamc", "lbamc", "lightcuts", "path")}
 FRAME_OPTIONS = ("--size", "160x90", "--vpls", "20000", "--clusters", "500")
-FRAME_SCENES = ("cornell-box", "living-room")
 
 
 def spread(values):
@@ -108,18 +108,21 @@ def render(program, scene, method):
         u = resource.getrusage(resource.RUSAGE_CHILDREN)
         return u.ru_utime + u.ru_stime
     before = used()
-    stats = counters.render(program, scene, method, FRAME_OPTIONS)
+    few = ("--spp", "8") if method == "path" else ()
+    stats = counters.render(program, scene, method, FRAME_OPTIONS + few)
     return stats, used() - before
 
 
-def frames(program, scenes, rounds):
+def frames(program, rounds, quick):
     """Entries of whole frames, methods in turn within a round. `over_slice_lightcuts`: CPU time over that of the same
     round's slice-lightcuts."""
     entries = {}
-    for scene in scenes:
-        runs = {method: [] for method in FRAME_METHODS}
+    for scene, methods in FRAME_METHODS.items():
+        if quick and scene != "cornell-box":
+            continue
+        runs = {method: [] for method in methods}
         for _ in range(rounds):
-            for method in FRAME_METHODS:
+            for method in methods:
                 runs[method].append(render(program, scene, method))
         for method, results in runs.items():
             entry = {"unit": "s", "cpu_time": spread([cpu for _, cpu in results]),
@@ -160,7 +163,7 @@ def measure(build, quick=False, only=".", tell=lambda line: None):
         result["entries"].update(found)
         tell(f"{program.name}: {len(found)} entries")
     if re.search(only, "frames"):
-        found = frames(build / "myrialux", FRAME_SCENES[:1] if quick else FRAME_SCENES, 1 if quick else 3)
+        found = frames(build / "myrialux", 1 if quick else 3, quick)
         result["entries"].update(found)
         tell(f"frames: {len(found)} entries")
     result["context"]["load_after"] = os.getloadavg()[0]

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <vector>
 
 #include "myrialux/base/assert.h"
@@ -132,7 +131,7 @@ HWY_INLINE void active_tile(const Tile& tile, const ActivityLight& light, Decide
 
 template <bool kDistant, LitSides kSides>
 void active_of_light(const Tile& tile, const ActivityLight& light, Decided decided, std::uint64_t* active) {
-  const bool flat_light = std::memcmp(light.n, light.ng, sizeof light.n) == 0;
+  const bool flat_light = std::equal(light.n, light.n + 3, light.ng);
   if (tile.flat)
     flat_light ? active_tile<kDistant, kSides, true, true>(tile, light, decided, active)
                : active_tile<kDistant, kSides, true, false>(tile, light, decided, active);
@@ -154,8 +153,11 @@ void active_any(const Tile& tile, const ActivityLight& light, Decided decided, s
 }
 
 bool is_flat(std::span<const RowBlock> blocks) {
-  return std::all_of(blocks.begin(), blocks.end(),
-                     [](const RowBlock& b) { return std::memcmp(b.n, b.ng, sizeof b.n) == 0; });
+  return std::all_of(blocks.begin(), blocks.end(), [](const RowBlock& b) {
+    for (int k = 0; k < 3; ++k)
+      if (!std::equal(b.n[k], b.n[k] + kBlockRows, b.ng[k])) return false;
+    return true;
+  });
 }
 
 void active(std::span<const RowBlock> blocks, std::span<const std::uint64_t> both_sides,
