@@ -17,9 +17,10 @@ test: setup-build setup-test $(BUILD)/build.ninja
 	@python3 tools/check_includes.py
 	@tools/run_tests.sh $(BUILD)
 
+# BENCH="--quick -o FILE" hands options on to tools/run_benchmarks.py.
 bench: setup-build $(BUILD)/build.ninja
 	cmake --build $(BUILD) -j $(JOBS)
-	@tools/run_benchmarks.sh $(BUILD)
+	@tools/run_benchmarks.py $(BUILD) $(BENCH)
 
 format:
 	git ls-files '*.h' '*.cpp' | xargs clang-format -i

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "bench_frame.h"
 #include "myrialux/base/clock.h"
 #include "myrialux/base/rng.h"
 #include "myrialux/math/warp.h"
@@ -105,15 +106,6 @@ struct Work {
   std::vector<RTCRay16> rays;
 };
 
-/// Leaves solid meshes: what raw Embree can trace without callbacks.
-Scene only_meshes(Scene scene) {
-  std::erase_if(scene.placed,
-                [&](ShapeId id) { return std::holds_alternative<Quadric>(scene.shapes[index(id)].geometry); });
-  scene.instances.clear();
-  for (Material& m : scene.materials) m.opacity = {gray(1)};
-  return scene;
-}
-
 const Work* work(int which) {
   static const std::unique_ptr<Work> hall = std::make_unique<Work>(colonnade());
   if (which == 0) return hall.get();
@@ -122,7 +114,7 @@ const Work* work(int which) {
     if (!folder) return nullptr;
     for (const char* name : {"staircase2/scene_v3.xml", "staircase2/scene.xml"})
       if (std::filesystem::exists(std::filesystem::path(folder) / name))
-        return std::make_unique<Work>(only_meshes(load_scene((std::filesystem::path(folder) / name).string())));
+        return std::make_unique<Work>(bench::only_meshes(load_scene((std::filesystem::path(folder) / name).string())));
     return nullptr;
   }();
   return stairs.get();

@@ -19,12 +19,13 @@ struct ActivityLight {
   LitSides sides = LitSides::all;
 };
 
-/// Sets bit k of active[b] when row k of blocks[b] and the light lie on the front side of each other's normals, shading
-/// and geometric; rows in both_sides[b] may also have it behind both of theirs. Rows of zero normals are not active.
-/// Same bits on every instruction set. Cost: about 20 operations a row.
+/// Sets bit k of active[j * n_blocks + b] when row k of blocks[b] and light j lie on the front side of each other's
+/// normals, shading and geometric; rows in both_sides[b] may also have it behind both of theirs. Rows of zero normals
+/// are not active. Same bits on every instruction set. Cost: about 20 operations an entry, fewer where normals are the
+/// same; rows stay in the first cache while the lights pass by. @param active [lights x blocks], set
 void active_bits(std::span<const RowBlock> blocks, std::span<const std::uint64_t> both_sides,
-                 const ActivityLight& light, std::span<std::uint64_t> active);
+                 std::span<const ActivityLight> lights, std::span<std::uint64_t> active);
 void active_bits_plain(std::span<const RowBlock> blocks, std::span<const std::uint64_t> both_sides,
-                       const ActivityLight& light, std::span<std::uint64_t> active);
+                       std::span<const ActivityLight> lights, std::span<std::uint64_t> active);
 
 }  // namespace myrialux

@@ -36,6 +36,12 @@ using EmbreeContext = RTCIntersectContext;
 inline void init_context(EmbreeContext& context) { rtcInitIntersectContext(&context); }
 #endif
 
+/// Sets what is the same for all rays of a packet: all but origins, directions and tfar.
+inline void init_rays(RTCRay16& rays) {
+  for (unsigned k = 0; k < 16; ++k)
+    rays.tnear[k] = 0, rays.time[k] = 0, rays.mask[k] = 0xffffffffu, rays.id[k] = k, rays.flags[k] = 0;
+}
+
 /// Closest hit of one ray, treated as incoherent.
 inline void embree_intersect(RTCScene scene, EmbreeContext& context, RTCRayHit& ray) {
 #if MYRIALUX_EMBREE4

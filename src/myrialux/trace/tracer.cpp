@@ -1,6 +1,11 @@
 // Queries: fills Embree's rays from points and segments, and turns hits into surface points.
 #include "myrialux/trace/tracer.h"
 
+#include <bit>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 #include "myrialux/base/assert.h"
 #include "myrialux/trace/acceleration.h"
 
@@ -12,10 +17,6 @@ struct Tracer::State : Acceleration {
 
 namespace {
 
-/// Where segments end: Embree's test of t is off by some roundoffs, so that segments would meet the surface that they
-/// end on. 16 roundoffs before t = 1; grazing segments are held off by SurfacePoint::offset.
-constexpr float kSegmentEnd = 1 - 0x1p-20f;
-
 /// Sets lanes [first, first + N) of the packet; ids count from 0.
 template <int N, int M>
 void fill(RayPacket<N>& rays, const Segments<M>& s, int first, bool to_is_direction);
@@ -25,14 +26,53 @@ std::uint32_t trace_lanes(const Acceleration& a, const Segments<M>& s, int first
 template <int N>
 std::uint32_t trace_packet(const Acceleration& a, const Segments<N>& s, std::uint32_t valid, bool coherent,
                            bool to_is_direction);
+/// Traces the lanes of `valid`: meshes first, then the lanes that are left against the other kinds.
+template <int N>
+std::uint32_t trace_rays(const Acceleration& a, QueryContext& context, RayPacket<N>& rays, std::uint32_t valid,
+                         bool coherent);
+/// Any kinds of shapes, on any machine.
+std::uint32_t trace_16(const Acceleration& a, RTCRay16& rays, std::uint32_t valid);
 bool trace_one(const Acceleration& a, Vec3 from, Vec3 to, bool to_is_direction);
 /// A point of the unit shape from a rounded one.
 Point3d onto_quadric(Quadric::Kind kind, Point3d p);
+
+/// Lanes in Embree's form.
+template <int N>
+struct alignas(64) Lanes {
+  int on[N];
+};
+template <int N>
+constexpr Lanes<N> lanes_of(std::uint32_t valid) {
+  Lanes<N> lanes{};
+  for (int k = 0; k < N; ++k) lanes.on[k] = -static_cast<int>(valid >> k & 1);
+  return lanes;
+}
+template <int N>
+constexpr Lanes<N> kAllLanes = lanes_of<N>((1u << N) - 1);
+
+/// Embree marks blocked lanes by tfar = -infinity; all others are positive.
+template <int N>
+std::uint32_t blocked_lanes(const float* tfar) {
+  std::uint32_t blocked = 0;
+#ifdef __SSE2__
+  for (int k = 0; k < N; k += 4) blocked |= static_cast<std::uint32_t>(_mm_movemask_ps(_mm_load_ps(tfar + k))) << k;
+#else
+  for (int k = 0; k < N; ++k) blocked |= std::bit_cast<std::uint32_t>(tfar[k]) >> 31 << k;
+#endif
+  return blocked;
+}
 
 void init(QueryContext& context, const Acceleration& a, bool to_is_direction) {
   init_context(context.embree);
   context.acceleration = &a;
   context.to_is_direction = to_is_direction;
+}
+
+/// Callbacks find origins and directions in the packet itself.
+template <class Rays>
+void look_at(QueryContext& context, const Rays& rays) {
+  context.from[0] = rays.org_x, context.from[1] = rays.org_y, context.from[2] = rays.org_z;
+  context.to[0] = rays.dir_x, context.to[1] = rays.dir_y, context.to[2] = rays.dir_z;
 }
 
 }  // namespace
@@ -87,6 +127,29 @@ std::uint32_t Tracer::occluded_packet_direction(const Segments<N>& segments, std
   return trace_packet(*state_, segments, valid, coherent, true);
 }
 
+void Tracer::occluded_rays(std::span<RTCRay16> packets, std::span<const std::uint32_t> valid,
+                           std::span<std::uint32_t> blocked) const {
+  MYRIALUX_ASSERT(packets.size() <= kMaxRayPackets && valid.size() == packets.size() &&
+                  blocked.size() == packets.size());
+  const Acceleration& a = *state_;
+  if (!a.has_native_16 || a.quadrics || a.instances) {
+    for (std::size_t k = 0; k < packets.size(); ++k) blocked[k] = trace_16(a, packets[k], valid[k]);
+    return;
+  }
+  // Lanes are written before and bits read after all packets: nobody waits for memory that has just been written.
+  Lanes<16> lanes[kMaxRayPackets];
+  for (std::size_t k = 0; k < packets.size(); ++k)
+    if (valid[k] != 0xffff) lanes[k] = lanes_of<16>(valid[k]);
+  QueryContext context;
+  init(context, a, true);
+  for (std::size_t k = 0; k < packets.size(); ++k) {
+    look_at(context, packets[k]);
+    embree_occluded<16>(valid[k] == 0xffff ? kAllLanes<16>.on : lanes[k].on, a.meshes, context.embree, packets[k],
+                        true);
+  }
+  for (std::size_t k = 0; k < packets.size(); ++k) blocked[k] = blocked_lanes<16>(packets[k].tfar) & valid[k];
+}
+
 Box3 Tracer::bounds() const { return state_->bounds; }
 std::uint64_t Tracer::memory_bytes() const { return static_cast<std::uint64_t>(state_->bytes.load()); }
 const Scene& Tracer::scene() const { return state_->scene; }
@@ -113,15 +176,6 @@ std::uint32_t trace_packet(const Acceleration& a, const Segments<N>& s, std::uin
   return trace_lanes<N>(a, s, 0, valid, coherent, to_is_direction);
 }
 
-/// Embree marks blocked lanes by tfar = -infinity.
-template <int N>
-std::uint32_t blocked_lanes(const float* tfar) {
-  std::uint32_t blocked = 0;
-  for (std::uint32_t k = 0; k < N; ++k)
-    if (tfar[k] < 0) blocked |= 1u << k;
-  return blocked;
-}
-
 template <int N, int M>
 std::uint32_t trace_lanes(const Acceleration& a, const Segments<M>& s, int first, std::uint32_t valid, bool coherent,
                           bool to_is_direction) {
@@ -129,16 +183,21 @@ std::uint32_t trace_lanes(const Acceleration& a, const Segments<M>& s, int first
   init(context, a, to_is_direction);
   context.from[0] = s.from_x + first, context.from[1] = s.from_y + first, context.from[2] = s.from_z + first;
   context.to[0] = s.to_x + first, context.to[1] = s.to_y + first, context.to[2] = s.to_z + first;
-  alignas(64) int lanes[N];
-  for (int k = 0; k < N; ++k) lanes[k] = (valid & (1u << k)) ? -1 : 0;
   RayPacket<N> rays;
   fill<N>(rays, s, first, to_is_direction);
-  embree_occluded<N>(lanes, a.meshes, context.embree, rays, coherent);
+  return trace_rays<N>(a, context, rays, valid, coherent);
+}
+
+template <int N>
+std::uint32_t trace_rays(const Acceleration& a, QueryContext& context, RayPacket<N>& rays, std::uint32_t valid,
+                         bool coherent) {
+  Lanes<N> lanes = lanes_of<N>(valid);
+  embree_occluded<N>(lanes.on, a.meshes, context.embree, rays, coherent);
   std::uint32_t blocked = blocked_lanes<N>(rays.tfar) & valid;
   for (RTCScene kind : {a.quadrics, a.instances}) {
     if (!kind || blocked == valid) continue;
-    for (int k = 0; k < N; ++k) lanes[k] = (valid & ~blocked & (1u << k)) ? -1 : 0;
-    embree_occluded<N>(lanes, kind, context.embree, rays, false);
+    lanes = lanes_of<N>(valid & ~blocked);
+    embree_occluded<N>(lanes.on, kind, context.embree, rays, false);
     blocked = blocked_lanes<N>(rays.tfar) & valid;
   }
   return blocked;
@@ -158,6 +217,35 @@ void fill(RayPacket<N>& rays, const Segments<M>& s, int first, bool to_is_direct
     rays.tnear[k] = 0, rays.time[k] = 0, rays.tfar[k] = far;
     rays.mask[k] = 0xffffffffu, rays.id[k] = static_cast<unsigned>(k), rays.flags[k] = 0;
   }
+}
+
+/// Lanes [first, first + N) of 16 rays.
+template <int N>
+std::uint32_t trace_part(const Acceleration& a, const RTCRay16& given, int first, std::uint32_t valid) {
+  if (valid == 0) return 0;
+  RayPacket<N> rays;  // a copy: Embree turns rays into an instance's space in place, callbacks need them as given
+  for (int k = 0; k < N; ++k) {
+    const int i = first + k;
+    rays.org_x[k] = given.org_x[i], rays.org_y[k] = given.org_y[i], rays.org_z[k] = given.org_z[i];
+    rays.dir_x[k] = given.dir_x[i], rays.dir_y[k] = given.dir_y[i], rays.dir_z[k] = given.dir_z[i];
+    rays.tnear[k] = 0, rays.time[k] = 0, rays.tfar[k] = given.tfar[i];
+    rays.mask[k] = 0xffffffffu, rays.id[k] = static_cast<unsigned>(k), rays.flags[k] = 0;
+  }
+  QueryContext context;
+  init(context, a, true);
+  context.from[0] = given.org_x + first, context.from[1] = given.org_y + first, context.from[2] = given.org_z + first;
+  context.to[0] = given.dir_x + first, context.to[1] = given.dir_y + first, context.to[2] = given.dir_z + first;
+  return trace_rays<N>(a, context, rays, valid, true);
+}
+
+std::uint32_t trace_16(const Acceleration& a, RTCRay16& rays, std::uint32_t valid) {
+  if (!a.has_native_16) return trace_part<8>(a, rays, 0, valid & 0xff) | trace_part<8>(a, rays, 8, valid >> 8) << 8;
+  if (a.instances) return trace_part<16>(a, rays, 0, valid);
+  if (valid == 0) return 0;
+  QueryContext context;
+  init(context, a, true);
+  look_at(context, rays);
+  return trace_rays<16>(a, context, rays, valid, true);
 }
 
 bool trace_one(const Acceleration& a, Vec3 from, Vec3 to, bool to_is_direction) {

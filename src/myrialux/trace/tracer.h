@@ -12,6 +12,8 @@
 #include "myrialux/math/vec.h"
 #include "myrialux/scene/scene.h"
 
+struct RTCRay16;  // Embree's
+
 namespace myrialux {
 
 /// Where a ray met a surface.
@@ -39,6 +41,13 @@ struct alignas(64) Segments {
   float to_x[N], to_y[N], to_z[N];        ///< direction = to - from, traced for t in (0, 1 - 2^-20]
 };
 
+/// Where rays along to - from end, in t: Embree's test of t is off by some roundoffs, so that segments would meet the
+/// surface that they end on. 16 roundoffs before 1; grazing segments are held off by SurfacePoint::offset.
+inline constexpr float kSegmentEnd = 1 - 0x1p-20f;
+
+/// Packets that are traced in one call at most.
+inline constexpr std::size_t kMaxRayPackets = 16;
+
 /// An immutable acceleration structure over a scene, safe to use from all threads. Keeps a reference to the scene.
 class Tracer {
  public:
@@ -63,6 +72,12 @@ class Tracer {
   /// Packets towards a distant light: `to_*` hold directions, traced to infinity.
   template <int N>
   std::uint32_t occluded_packet_direction(const Segments<N>& segments, std::uint32_t valid, bool coherent) const;
+  /// The same bits from coherent packets that lie as Embree reads them already: `org`, `dir` (to - from, or towards a
+  /// distant light) and `tfar` (kSegmentEnd or infinity) set, the rest as init_rays() leaves it. Spoils `tfar`.
+  /// Several packets at a time, since rays that were written just before they are read make Embree wait.
+  /// @param packets at most kMaxRayPackets; @param valid, blocked a word of 16 bits a packet
+  void occluded_rays(std::span<RTCRay16> packets, std::span<const std::uint32_t> valid,
+                     std::span<std::uint32_t> blocked) const;
 
   Box3 bounds() const;
   std::uint64_t memory_bytes() const;

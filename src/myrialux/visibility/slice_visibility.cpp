@@ -10,6 +10,7 @@
 #include "myrialux/base/clock.h"
 #include "myrialux/kernels/active_bits.h"
 #include "myrialux/matrix/bit_ops.h"
+#include "myrialux/trace/embree.h"
 #include "myrialux/transfer/transfer.h"
 #include "myrialux/visibility/shadow_light.h"
 
@@ -20,16 +21,48 @@ namespace {
 /// blocks with fewer wanted rows than this share packets with others.
 constexpr int kLeastOwnRows = 8;
 
+/// Time in steps of any length, as fast as can be.
+std::uint64_t read_ticks() {
+#ifdef __x86_64__
+  return __builtin_ia32_rdtsc();
+#else
+  return static_cast<std::uint64_t>(1e9 * read_clock(CLOCK_MONOTONIC));
+#endif
+}
+
 struct alignas(64) BlockOffsets {
   BlockFloats offset;
+};
+/// Where segments start on the front side.
+struct alignas(64) BlockStarts {
+  BlockFloats p[3];
 };
 
 /// Wanted rows of sparse blocks, moved together until a packet is full.
 struct alignas(64) GatheredRows {
-  PacketFloats p[3] = {}, ng[3] = {}, offset = {};
+  PacketFloats p[3] = {}, ng[3] = {}, offset = {};  ///< the last two unless ends are fixed; p is the start if so
   std::array<std::uint32_t, kPacketRows> row{};
   std::size_t size = 0;
 };
+
+/// Packets on their way: rays of several are made before the first is traced, so that Embree does not wait for what
+/// has just been written.
+struct alignas(64) Packets {
+  static constexpr std::size_t kMost = 8;  ///< 6 KiB stay in the first cache
+  PacketRays to(std::size_t k) {
+    RTCRay16& r = rays[k];
+    return {.origin = {r.org_x, r.org_y, r.org_z},
+            .direction = {r.dir_x, r.dir_y, r.dir_z},
+            .far = r.tfar,
+            .stride = sizeof(RTCRay16) / sizeof(float)};
+  }
+  RTCRay16 rays[kMost];
+  std::uint32_t valid[kMost], blocked[kMost];
+  std::uint32_t first_row[kMost];  ///< of adjacent rows; kGathered: see `rows`
+  std::array<std::uint32_t, kPacketRows> rows[kMost];
+  std::size_t size = 0;
+};
+constexpr std::uint32_t kGathered = 0xffffffffu;
 
 PacketRows packet_rows(const RowBlock& rows, const BlockOffsets& offsets, std::size_t first) {
   return {{rows.p[0] + first, rows.p[1] + first, rows.p[2] + first},
@@ -67,13 +100,19 @@ struct SliceVisibility::State {
   std::vector<RowBlock> blocks;       ///< [words_per_column]; rows that do not exist have zero normals
   std::vector<BlockOffsets> offsets;  ///< [words_per_column]
   std::vector<ShadowLight> lights;    ///< [n_columns]
+  /// Active rows of one-sided surfaces lie in front of a light's one side and it in front of theirs: then both ends
+  /// are known before they are joined. [words_per_column]; empty if some row is two-sided or not only active entries
+  /// are traced
+  std::vector<BlockStarts> starts;
+  std::vector<std::optional<KnownEnd>> ends;  ///< [n_columns], or empty like `starts`
   std::vector<std::size_t> group_ends;
   BitMatrix active, required;
   std::vector<RowPoint> points;  ///< [n_rows]
   std::vector<float> energies;   ///< [n_columns], or empty
   std::optional<BlockEnergies> block_energies;
+  Packets on_the_way;
   std::uint64_t rays = 0, packets = 0;
-  double wall_in_trace_s = 0;
+  std::uint64_t ticks_in_trace = 0, first_tick = read_ticks();
   Stopwatch wall;
   ThreadStopwatch cpu;
 
@@ -81,10 +120,15 @@ struct SliceVisibility::State {
   void group_columns(Vec3 centre, const VirtualLights& all, std::span<const Column> columns);
   void find_active(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
                    const VirtualLights& all, std::span<const Column> columns);
-  std::uint32_t occluded(const PacketRows& rows, const ShadowLight& light, std::uint32_t valid);
-  void gather(GatheredRows& gathered, std::size_t word, std::uint64_t rows, const ShadowLight& light,
-              MutableWords visible);
-  void trace_gathered(GatheredRows& gathered, const ShadowLight& light, MutableWords visible);
+  void fix_ends(const VirtualLights& all, std::span<const Column> columns, std::span<const ActivityLight> activity);
+  /// Sends packets off; their bits arrive at the latest with land(). First those of a block of 64 rows that have
+  /// enough of them; returns the rows left over.
+  std::uint64_t send_block(std::size_t j, std::size_t word, std::uint64_t wanted, MutableWords visible);
+  void announce(std::uint32_t valid, std::uint32_t first_row);
+  void land(MutableWords visible);
+  void gather(GatheredRows& gathered, std::size_t j, std::size_t word, std::uint64_t rows, MutableWords visible);
+  void send_gathered(GatheredRows& gathered, std::size_t j, MutableWords visible);
+  bool is_fixed(std::size_t j) const { return !ends.empty() && ends[j].has_value(); }
 };
 
 SliceVisibility::SliceVisibility(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
@@ -94,15 +138,19 @@ SliceVisibility::SliceVisibility(const World& world, const Receivers& receivers,
                        .blocks = {},
                        .offsets = {},
                        .lights = {},
+                       .starts = {},
+                       .ends = {},
                        .group_ends = {},
                        .active = BitMatrix(rows.size(), columns.size()),
                        .required = {},
                        .points = {},
                        .energies = {},
                        .block_energies = {},
+                       .on_the_way = {},
                        .wall = {},
                        .cpu = {}}) {
   State& s = *state_;
+  for (RTCRay16& rays : s.on_the_way.rays) init_rays(rays);
   s.lay_out_rows(receivers, rows);
   s.group_columns(slice_centre(receivers, rows), lights, columns);
   s.lights.reserve(columns.size());
@@ -147,16 +195,41 @@ void SliceVisibility::State::group_columns(Vec3 centre, const VirtualLights& all
 void SliceVisibility::State::find_active(const World& world, const Receivers& receivers,
                                          std::span<const ReceiverId> rows, const VirtualLights& all,
                                          std::span<const Column> columns) {
+  if (columns.empty()) return;
   std::vector<std::uint64_t> both_sides(blocks.size());
+  bool one_sided = true;
   for (std::size_t r = 0; r < rows.size(); ++r)
-    if (transmits(world, receivers.bsdf[index(rows[r])])) set_bit(both_sides, r);
+    if (transmits(world, receivers.bsdf[index(rows[r])])) set_bit(both_sides, r), one_sided = false;
+  std::vector<ActivityLight> activity;
+  activity.reserve(columns.size());
+  for (const Column& column : columns) activity.push_back(activity_light(world, all, index(column.light)));
+  active_bits(blocks, both_sides, activity, MutableWords(active.column(0).data(), active.n_words()));
   for (std::size_t j = 0; j < columns.size(); ++j) {
     const LightId light = columns[j].light;
-    active_bits(blocks, both_sides, activity_light(world, all, index(light)), active.column(j));
     if (is_spot(all, index(light)))  // few, and their cone is a matter of angles
       for_each_bit(active.column(j), [&](std::size_t r) {
         if (!is_active(world, receivers, rows[r], all, light)) clear_bit(active.column(j), r);
       });
+  }
+  if (one_sided) fix_ends(all, columns, activity);
+}
+
+/// The operations of shadow_rays() where the signs of both cosines are known, so that bits are the same.
+void SliceVisibility::State::fix_ends(const VirtualLights& all, std::span<const Column> columns,
+                                      std::span<const ActivityLight> activity) {
+  starts.resize(blocks.size());
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    for (int k = 0; k < 3; ++k)
+      for (std::size_t row = 0; row < kBlockRows; ++row)
+        starts[b].p[k][row] = blocks[b].p[k][row] + blocks[b].ng[k][row] * offsets[b].offset[row];
+  ends.resize(columns.size());
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    const ShadowLight light = shadow_light(all, index(columns[j].light));
+    if (light.end == SegmentEnd::surface && activity[j].sides != LitSides::front) continue;
+    KnownEnd end{{light.p[0], light.p[1], light.p[2]}, light.end == SegmentEnd::direction};
+    if (light.end == SegmentEnd::surface)
+      for (int k = 0; k < 3; ++k) end.p[k] += light.ng[k] * light.offset;
+    ends[j] = end;
   }
 }
 
@@ -191,79 +264,121 @@ void SliceVisibility::set_block_energies(BlockEnergies energies) {
 std::uint64_t SliceVisibility::rays() const { return state_->rays; }
 std::uint64_t SliceVisibility::packets() const { return state_->packets; }
 
-/// The wall clock costs a tenth of the thread's clock to read; the thread's share of the wall since the slice began
-/// turns one into the other.
+/// The counter of ticks costs a fiftieth of the thread's clock to read; what the thread had of the time since the slice
+/// began turns one into the other.
 double SliceVisibility::trace_seconds() const {
-  const double wall_s = state_->wall.elapsed();
-  return wall_s > 0 ? state_->wall_in_trace_s * std::min(1.0, state_->cpu.elapsed() / wall_s) : 0;
+  const std::uint64_t ticks = read_ticks() - state_->first_tick;
+  const double share = ticks > 0 ? static_cast<double>(state_->ticks_in_trace) / static_cast<double>(ticks) : 0;
+  return share * std::min(state_->wall.elapsed(), state_->cpu.elapsed());
 }
 
 std::size_t SliceVisibility::memory_bytes() const {
   const State& s = *state_;
   return s.blocks.size() * (sizeof(RowBlock) + sizeof(BlockOffsets)) + s.lights.size() * sizeof(ShadowLight) +
+         s.starts.size() * sizeof(BlockStarts) + s.ends.size() * sizeof(std::optional<KnownEnd>) +
          (s.block_energies ? s.block_energies->memory_bytes() : 0) + s.points.size() * sizeof(RowPoint) +
          s.energies.size() * sizeof(float) + (s.active.n_words() + s.required.n_words()) * sizeof(std::uint64_t);
 }
 
 void SliceVisibility::trace(std::size_t j, Words wanted, MutableWords visible) {
   State& s = *state_;
-  Stopwatch watch;
-  const ShadowLight& light = s.lights[j];
+  const std::uint64_t start = read_ticks();
   GatheredRows gathered;
   for (std::size_t w = 0; w < wanted.size(); ++w) {
     MYRIALUX_ASSERT((wanted[w] & ~active(j)[w]) == 0);
     if (wanted[w] == 0) continue;
     s.rays += static_cast<std::uint64_t>(std::popcount(wanted[w]));
-    std::uint64_t sparse = 0;
-    for (std::size_t first = 0; first < kBlockRows; first += kPacketRows) {
-      const std::uint32_t valid = wanted[w] >> first & 0xffff;
-      if (std::popcount(valid) < kLeastOwnRows) {
-        sparse |= std::uint64_t{valid} << first;
-      } else {
-        const std::uint64_t blocked = s.occluded(packet_rows(s.blocks[w], s.offsets[w], first), light, valid);
-        visible[w] = (visible[w] & ~(std::uint64_t{valid} << first)) | (valid & ~blocked) << first;
-      }
-    }
-    if (sparse != 0) s.gather(gathered, w, sparse, light, visible);
+    const std::uint64_t sparse = s.send_block(j, w, wanted[w], visible);
+    if (sparse != 0) s.gather(gathered, j, w, sparse, visible);
   }
-  if (gathered.size > 0) s.trace_gathered(gathered, light, visible);
-  s.wall_in_trace_s += watch.elapsed();
+  if (gathered.size > 0) s.send_gathered(gathered, j, visible);
+  s.land(visible);
+  s.ticks_in_trace += read_ticks() - start;
 }
 
-std::uint32_t SliceVisibility::State::occluded(const PacketRows& rows, const ShadowLight& light, std::uint32_t valid) {
-  Segments<16> segments;
-  float* const from[3] = {segments.from_x, segments.from_y, segments.from_z};
-  float* const to[3] = {segments.to_x, segments.to_y, segments.to_z};
-  shadow_ends(rows, light, from, to);
-  ++packets;
-  return light.end == SegmentEnd::direction ? tracer.occluded_packet_direction<16>(segments, valid, true)
-                                            : tracer.occluded_packet<16>(segments, valid, true);
+void SliceVisibility::State::announce(std::uint32_t valid, std::uint32_t first_row) {
+  Packets& p = on_the_way;
+  p.valid[p.size] = valid, p.first_row[p.size] = first_row;
+  ++p.size, ++packets;
 }
 
-void SliceVisibility::State::gather(GatheredRows& gathered, std::size_t word, std::uint64_t rows,
-                                    const ShadowLight& light, MutableWords visible) {
+std::uint64_t SliceVisibility::State::send_block(std::size_t j, std::size_t word, std::uint64_t wanted,
+                                                 MutableWords visible) {
+  Packets& p = on_the_way;
+  constexpr std::uint32_t kParts = kBlockRows / kPacketRows;
+  if (p.size + kParts > Packets::kMost) land(visible);
+  const std::size_t first = p.size;
+  std::uint64_t sparse = 0;
+  std::uint32_t which = 0;
+  for (std::uint32_t q = 0; q < kParts; ++q) {
+    const std::uint64_t part = wanted & std::uint64_t{0xffff} << kPacketRows * q;
+    if (std::popcount(part) < kLeastOwnRows) {
+      sparse |= part;
+      continue;
+    }
+    which |= 1u << q;
+    announce(static_cast<std::uint32_t>(part >> kPacketRows * q),
+             static_cast<std::uint32_t>(word * kBlockRows + kPacketRows * q));
+  }
+  if (is_fixed(j)) {
+    const float* const start[3] = {starts[word].p[0], starts[word].p[1], starts[word].p[2]};
+    shadow_rays_to(start, which, *ends[j], kSegmentEnd, p.to(first));
+    return sparse;
+  }
+  for (std::size_t k = first; which != 0; which &= which - 1, ++k)
+    shadow_rays(
+        packet_rows(blocks[word], offsets[word], kPacketRows * static_cast<std::size_t>(std::countr_zero(which))),
+        lights[j], kSegmentEnd, p.to(k));
+  return sparse;
+}
+
+void SliceVisibility::State::land(MutableWords visible) {
+  Packets& p = on_the_way;
+  tracer.occluded_rays(std::span(p.rays, p.size), std::span(p.valid, p.size), std::span(p.blocked, p.size));
+  for (std::size_t k = 0; k < p.size; ++k) {
+    const std::uint32_t seen = p.valid[k] & ~p.blocked[k];
+    if (p.first_row[k] != kGathered) {
+      const std::size_t w = p.first_row[k] / kBlockRows, shift = p.first_row[k] % kBlockRows;
+      visible[w] = (visible[w] & ~(std::uint64_t{p.valid[k]} << shift)) | std::uint64_t{seen} << shift;
+      continue;
+    }
+    const auto n = static_cast<std::size_t>(std::popcount(p.valid[k]));
+    for (std::size_t lane = 0; lane < n; ++lane) {
+      if (seen >> lane & 1)
+        set_bit(visible, p.rows[k][lane]);
+      else
+        clear_bit(visible, p.rows[k][lane]);
+    }
+  }
+  p.size = 0;
+}
+
+void SliceVisibility::State::gather(GatheredRows& gathered, std::size_t j, std::size_t word, std::uint64_t rows,
+                                    MutableWords visible) {
   const RowBlock& block = blocks[word];
+  const bool fixed = is_fixed(j);
   for (; rows != 0; rows &= rows - 1) {
     const std::size_t bit = static_cast<std::size_t>(std::countr_zero(rows)), lane = gathered.size++;
     for (int k = 0; k < 3; ++k) {
-      gathered.p[k][lane] = block.p[k][bit];
-      gathered.ng[k][lane] = block.ng[k][bit];
+      gathered.p[k][lane] = fixed ? starts[word].p[k][bit] : block.p[k][bit];
+      if (!fixed) gathered.ng[k][lane] = block.ng[k][bit];
     }
-    gathered.offset[lane] = offsets[word].offset[bit];
+    if (!fixed) gathered.offset[lane] = offsets[word].offset[bit];
     gathered.row[lane] = static_cast<std::uint32_t>(word * kBlockRows + bit);
-    if (gathered.size == kPacketRows) trace_gathered(gathered, light, visible);
+    if (gathered.size == kPacketRows) send_gathered(gathered, j, visible);
   }
 }
 
-void SliceVisibility::State::trace_gathered(GatheredRows& gathered, const ShadowLight& light, MutableWords visible) {
-  const std::uint32_t valid = static_cast<std::uint32_t>(low_bits(gathered.size));
-  const std::uint32_t blocked = occluded(packet_rows(gathered), light, valid);
-  for (std::size_t lane = 0; lane < gathered.size; ++lane) {
-    if (blocked >> lane & 1)
-      clear_bit(visible, gathered.row[lane]);
-    else
-      set_bit(visible, gathered.row[lane]);
-  }
+void SliceVisibility::State::send_gathered(GatheredRows& gathered, std::size_t j, MutableWords visible) {
+  Packets& p = on_the_way;
+  if (p.size == Packets::kMost) land(visible);
+  const float* const start[3] = {gathered.p[0], gathered.p[1], gathered.p[2]};
+  if (is_fixed(j))
+    shadow_rays_to(start, 1, *ends[j], kSegmentEnd, p.to(p.size));
+  else
+    shadow_rays(packet_rows(gathered), lights[j], kSegmentEnd, p.to(p.size));
+  p.rows[p.size] = gathered.row;
+  announce(static_cast<std::uint32_t>(low_bits(gathered.size)), kGathered);
   gathered.size = 0;
 }
 
