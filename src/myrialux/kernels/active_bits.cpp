@@ -15,27 +15,44 @@ namespace myrialux {
 namespace HWY_NAMESPACE {
 namespace {
 
-template <bool kDistant, LitSides kSides>
-HWY_INLINE std::uint64_t active_word(const RowBlock& rows, std::uint64_t both_sides, const ActivityLight& light) {
+/// Lanes whose rows the light's own sides let be lit. @param w from the rows to the light, so that its front sees them
+/// from the other way. @param flat n == ng
+template <LitSides kSides>
+HWY_INLINE Mask lit_lanes(const V3 w, const V3 n, const V3 ng, bool flat) {
+  const V zero = hn::Zero(D()), from_ng = dot_unfused(ng, w), from_n = flat ? from_ng : dot_unfused(n, w);
+  const Mask front = hn::And(hn::Lt(from_ng, zero), hn::Lt(from_n, zero));
+  if constexpr (kSides == LitSides::front) return front;
+  return hn::Or(front, hn::And(hn::Gt(from_ng, zero), hn::Gt(from_n, zero)));
+}
+
+/// Lanes whose rows have the light on one side of both normals.
+HWY_INLINE Mask facing_lanes(const RowBlock& rows, std::size_t row, std::uint64_t both_sides, const V3 w) {
   const D d;
   const V zero = hn::Zero(d);
-  const V3 to = spread(d, light.to), light_n = spread(d, light.n), light_ng = spread(d, light.ng);
+  const V at_ng = dot_unfused(load(d, rows.ng, row), w), at_n = dot_unfused(load(d, rows.n, row), w);
+  const Mask front = hn::And(hn::Gt(at_ng, zero), hn::Gt(at_n, zero));
+  if (!has_rows(both_sides, row)) return front;
+  return hn::Or(front, hn::And(hn::And(hn::Lt(at_ng, zero), hn::Lt(at_n, zero)), mask_of(d, both_sides, row)));
+}
+
+template <bool kDistant, LitSides kSides>
+HWY_INLINE std::uint64_t active_word(const RowBlock& rows, std::uint64_t both_sides, const ActivityLight& light,
+                                     bool flat) {
+  const D d;
+  const V3 to = spread(d, light.to);
   std::uint64_t word = 0;
   for (std::size_t row = 0; row < kBlockRows; row += hn::Lanes(d)) {
     const V3 w = kDistant ? to : to - load(d, rows.p, row);
-    const V at_ng = dot_unfused(load(d, rows.ng, row), w), at_n = dot_unfused(load(d, rows.n, row), w);
-    const Mask behind = hn::And(hn::And(hn::Lt(at_ng, zero), hn::Lt(at_n, zero)), mask_of(d, both_sides, row));
-    Mask active = hn::Or(hn::And(hn::Gt(at_ng, zero), hn::Gt(at_n, zero)), behind);
-    if constexpr (kSides != LitSides::all) {  // w points to the light, so its front sees it from the other way
-      const V from_ng = dot_unfused(light_ng, w), from_n = dot_unfused(light_n, w);
-      Mask lit = hn::And(hn::Lt(from_ng, zero), hn::Lt(from_n, zero));
-      if constexpr (kSides == LitSides::front_and_back)
-        lit = hn::Or(lit, hn::And(hn::Gt(from_ng, zero), hn::Gt(from_n, zero)));
-      active = hn::And(active, lit);
+    Mask active;
+    if constexpr (kSides == LitSides::all) {
+      active = facing_lanes(rows, row, both_sides, w);
+    } else {
+      // Neighbouring rows mostly lie behind a light together: then their own normals need not be looked at.
+      const Mask lit = lit_lanes<kSides>(w, spread(d, light.n), spread(d, light.ng), flat);
+      if (hn::AllFalse(d, lit)) continue;
+      active = hn::And(lit, facing_lanes(rows, row, both_sides, w));
     }
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, active, bits);
-    word |= (std::uint64_t{bits[0]} | std::uint64_t{bits[1]} << 8) << row;
+    word |= bits_of(active) << row;
   }
   return word;
 }
@@ -43,8 +60,9 @@ HWY_INLINE std::uint64_t active_word(const RowBlock& rows, std::uint64_t both_si
 template <bool kDistant, LitSides kSides>
 void active_words(std::span<const RowBlock> blocks, std::span<const std::uint64_t> both_sides,
                   const ActivityLight& light, std::span<std::uint64_t> active) {
+  const bool flat = light.n[0] == light.ng[0] && light.n[1] == light.ng[1] && light.n[2] == light.ng[2];
   for (std::size_t b = 0; b < blocks.size(); ++b)
-    active[b] = active_word<kDistant, kSides>(blocks[b], both_sides[b], light);
+    active[b] = active_word<kDistant, kSides>(blocks[b], both_sides[b], light, flat);
 }
 
 template <bool kDistant>
