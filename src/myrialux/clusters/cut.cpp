@@ -29,6 +29,11 @@ class NodeHeap {
     return ~static_cast<std::uint32_t>(top);
   }
   std::size_t size() const { return keys_.size(); }
+  /// f(node) for each, in no order worth naming.
+  template <class F>
+  void for_each(const F& f) const {
+    for (const Key key : keys_) f(~static_cast<std::uint32_t>(key));
+  }
 
  private:
   using Key = std::uint64_t;
@@ -101,7 +106,7 @@ std::vector<Column> light_cut(const World& world, const Receivers& receivers, st
   }
 
   std::vector<std::uint32_t> nodes = std::move(cut.leaves);
-  while (cut.heap.size() > 0) nodes.push_back(cut.heap.pop());
+  cut.heap.for_each([&](std::uint32_t node) { nodes.push_back(node); });
   return sorted_columns(lights, tree, slice_centre(receivers, rows), nodes);
 }
 
@@ -113,22 +118,31 @@ std::uint32_t octant(Vec3 slice_centre, const VirtualLights& lights, LightId lig
 
 namespace {
 
+/// Nodes of a cut are disjoint, so their first leaves differ; leaves of one kind are consecutive.
 std::vector<Column> sorted_columns(const VirtualLights& lights, const LightTree& tree, Vec3 centre,
                                    std::span<const std::uint32_t> nodes) {
-  std::vector<Column> columns;
-  columns.reserve(nodes.size());
+  struct Place {
+    std::uint64_t key;  ///< kind, octant, first leaf
+    std::uint32_t node;
+    std::uint32_t octant;
+  };
+  std::vector<Place> places;
+  places.reserve(nodes.size());
   for (const std::uint32_t n : nodes) {
     const LightNode& node = tree.nodes[n];
-    const LightId light = node.representative;
-    columns.push_back({light, node.importance / tree.importance[index(light)], n, node.count,
-                       static_cast<std::uint8_t>(octant(centre, lights, light))});
+    const std::uint32_t o = octant(centre, lights, node.representative);
+    places.push_back({(std::uint64_t{static_cast<std::uint8_t>(node.kind)} << 8 | o) << 32 | node.first, n, o});
   }
-  // Nodes of a cut are disjoint, so their first leaves differ; leaves of one kind are consecutive.
-  std::sort(columns.begin(), columns.end(), [&](const Column& a, const Column& b) {
-    const LightNode &na = tree.nodes[a.node], &nb = tree.nodes[b.node];
-    if (na.kind != nb.kind) return na.kind < nb.kind;
-    return a.octant != b.octant ? a.octant < b.octant : na.first < nb.first;
-  });
+  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.key < b.key; });
+
+  std::vector<Column> columns;
+  columns.reserve(nodes.size());
+  for (const Place& place : places) {
+    const LightNode& node = tree.nodes[place.node];
+    const LightId light = node.representative;
+    columns.push_back({light, node.importance / tree.importance[index(light)], place.node, node.count,
+                       static_cast<std::uint8_t>(place.octant)});
+  }
   return columns;
 }
 
