@@ -76,7 +76,7 @@ void add_nodes(const LightTree& tree, const CutPoints& points, std::span<const s
   std::array<std::uint32_t, kLightKinds> inner{};
   std::size_t n_inner = 0;
   for (const std::uint32_t node : nodes) {
-    if (tree.nodes[node].is_leaf()) {
+    if (tree.is_leaf(node)) {
       cut.leaves.push_back(node);
     } else {
       clusters[n_inner] = make_cut_cluster(tree, node);
@@ -101,8 +101,8 @@ std::vector<Column> light_cut(const World& world, const Receivers& receivers, st
   Cut cut;
   add_nodes(tree, points, tree.roots, cut);
   while (cut.size() < params.n_clusters && cut.heap.size() > 0) {
-    const std::uint32_t left = tree.nodes[cut.heap.pop()].left;
-    add_nodes(tree, points, std::array{left, left + 1}, cut);
+    const LightNode& node = tree.inner[cut.heap.pop()];
+    add_nodes(tree, points, std::array{node.left, node.right}, cut);
   }
 
   std::vector<std::uint32_t> nodes = std::move(cut.leaves);
@@ -129,19 +129,21 @@ std::vector<Column> sorted_columns(const VirtualLights& lights, const LightTree&
   std::vector<Place> places;
   places.reserve(nodes.size());
   for (const std::uint32_t n : nodes) {
-    const LightNode& node = tree.nodes[n];
-    const std::uint32_t o = octant(centre, lights, node.representative);
-    places.push_back({(std::uint64_t{static_cast<std::uint8_t>(node.kind)} << 8 | o) << 32 | node.first, n, o});
+    const LightId light = tree.representative(n);
+    const std::uint64_t kind = static_cast<std::uint8_t>(lights.kind[index(light)]);
+    const std::uint32_t o = octant(centre, lights, light);
+    places.push_back({(kind << 8 | o) << 32 | tree.first_leaf(n), n, o});
   }
   std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.key < b.key; });
 
   std::vector<Column> columns;
   columns.reserve(nodes.size());
   for (const Place& place : places) {
-    const LightNode& node = tree.nodes[place.node];
-    const LightId light = node.representative;
-    columns.push_back({light, node.importance / tree.importance[index(light)], place.node, node.count,
-                       static_cast<std::uint8_t>(place.octant)});
+    const LightId light = tree.representative(place.node);
+    const bool leaf = tree.is_leaf(place.node);
+    const float weight = leaf ? 1 : tree.inner[place.node].importance / tree.importance[index(light)];
+    columns.push_back(
+        {light, weight, place.node, leaf ? 1 : tree.inner[place.node].count, static_cast<std::uint8_t>(place.octant)});
   }
   return columns;
 }
