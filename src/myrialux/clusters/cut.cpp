@@ -141,9 +141,9 @@ std::vector<Column> sorted_columns(const VirtualLights& lights, const LightTree&
   for (const Place& place : places) {
     const LightId light = tree.representative(place.node);
     const bool leaf = tree.is_leaf(place.node);
-    const float weight = leaf ? 1 : tree.inner[place.node].importance / tree.importance[index(light)];
+    const float weight = leaf ? 1.0f : tree.inner[place.node].importance / tree.importance[index(light)];
     columns.push_back(
-        {light, weight, place.node, leaf ? 1 : tree.inner[place.node].count, static_cast<std::uint8_t>(place.octant)});
+        {light, weight, place.node, leaf ? 1u : tree.inner[place.node].count, static_cast<std::uint8_t>(place.octant)});
   }
   return columns;
 }
