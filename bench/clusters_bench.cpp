@@ -112,9 +112,7 @@ void measure_tree(benchmark::State& state, const Build& build) {
   const double before = status_mib("VmRSS");
   const LightTree tree = build(room.world(), lights);
   state.counters["peak_MiB"] = status_mib("VmHWM") - before;
-  const std::size_t bytes = tree.nodes.size() * sizeof(LightNode) + tree.glossy.size() * sizeof(GlossyNode) +
-                            tree.order.size() * sizeof(LightId) + tree.importance.size() * sizeof(float);
-  state.counters["tree_MiB"] = static_cast<double>(bytes) / (1 << 20);
+  state.counters["tree_MiB"] = static_cast<double>(tree.memory_bytes()) / (1 << 20);
 }
 
 void light_tree(benchmark::State& state) {

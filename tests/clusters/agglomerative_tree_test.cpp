@@ -27,7 +27,8 @@ LightTree build(const Room& room, RandomKey key = {}, std::uint32_t n_competing 
 /// Sum over inner nodes of what joining them costs.
 double total_cost(const LightTree& tree, float c2) {
   double sum = 0;
-  for (const LightNode& node : tree.nodes) {
+  for (std::uint32_t number = 0; number < tree.size(); ++number) {
+    const LightNode node = tree.node(number);
     if (node.is_leaf()) continue;
     const LightGroup whole{.box = node.box,
                            .axis = node.cone_axis,
@@ -50,14 +51,14 @@ TEST(AgglomerativeTree, HoldsEveryLightInOneLeaf) {
     ASSERT_EQ(sorted.size(), n);
     for (std::size_t j = 0; j < n; ++j) EXPECT_EQ(index(sorted[j]), j);
     EXPECT_EQ(tree.roots.size(), std::min<std::size_t>(n, 4));
-    EXPECT_EQ(tree.nodes.size(), n == 0 ? 0 : 2 * n - tree.roots.size());
+    EXPECT_EQ(tree.size(), n == 0 ? 0 : 2 * n - tree.roots.size());
     std::size_t leaves = 0;
-    for (std::size_t k = 0; k < tree.nodes.size(); ++k) {
-      const LightNode& node = tree.nodes[k];
+    for (std::uint32_t k = 0; k < tree.size(); ++k) {
+      const LightNode node = tree.node(k);
       leaves += node.is_leaf();
       EXPECT_EQ(node.is_leaf(), node.count == 1);
       if (node.is_leaf()) continue;
-      const LightNode &left = tree.nodes[node.left], &right = tree.nodes[node.left + 1];
+      const LightNode left = tree.node(node.left), right = tree.node(node.right);
       EXPECT_GT(node.left, k);
       EXPECT_EQ(left.count + right.count, node.count);
       EXPECT_EQ(left.first, node.first);
@@ -72,7 +73,8 @@ TEST(AgglomerativeTree, NodesContainTheirLights) {
       {.n_receivers = 1, .n_lights = 4000, .kinds = kAllKinds, .glossy = true, .glass = true, .shading_tilt = 0.2f});
   const LightTree tree = build(room);
   const VirtualLights& lights = room.lights;
-  for (const LightNode& node : tree.nodes) {
+  for (std::uint32_t number = 0; number < tree.size(); ++number) {
+    const LightNode node = tree.node(number);
     double importance = 0;
     bool holds_representative = false;
     for (std::uint32_t l = node.first; l < node.first + node.count; ++l) {
@@ -93,7 +95,7 @@ TEST(AgglomerativeTree, NodesContainTheirLights) {
     EXPECT_TRUE(holds_representative);
     EXPECT_NEAR(node.importance, importance, 1e-5 * importance);
     if (node.is_leaf()) continue;
-    const LightNode &left = tree.nodes[node.left], &right = tree.nodes[node.left + 1];
+    const LightNode left = tree.node(node.left), right = tree.node(node.right);
     EXPECT_EQ(node.importance, left.importance + right.importance);
     EXPECT_TRUE(node.representative == left.representative || node.representative == right.representative);
   }
@@ -164,14 +166,14 @@ TEST(AgglomerativeTree, IsTheSameForAnyNumberOfThreads) {
   for (const int threads : {1, 2, 7}) {
     const ThreadScope scope(threads);
     const LightTree tree = build(room, {.seed = 9});
-    if (first.nodes.empty()) first = tree;
+    if (first.order.empty()) first = tree;
     ASSERT_EQ(tree.order, first.order) << threads;
-    for (std::size_t k = 0; k < tree.nodes.size(); ++k) {
-      ASSERT_EQ(tree.nodes[k].left, first.nodes[k].left);
-      ASSERT_EQ(tree.nodes[k].importance, first.nodes[k].importance);
-      ASSERT_EQ(tree.nodes[k].representative, first.nodes[k].representative);
-      ASSERT_EQ(tree.nodes[k].cone_axis, first.nodes[k].cone_axis);
-      ASSERT_EQ(tree.nodes[k].box.upper, first.nodes[k].box.upper);
+    for (std::uint32_t k = 0; k < tree.size(); ++k) {
+      ASSERT_EQ(tree.node(k).left, first.node(k).left);
+      ASSERT_EQ(tree.node(k).importance, first.node(k).importance);
+      ASSERT_EQ(tree.node(k).representative, first.node(k).representative);
+      ASSERT_EQ(tree.node(k).cone_axis, first.node(k).cone_axis);
+      ASSERT_EQ(tree.node(k).box.upper, first.node(k).box.upper);
     }
   }
 }
@@ -184,7 +186,7 @@ TEST(AgglomerativeTree, DrawsRepresentativesByImportance) {
   LightTree tree;
   for (std::uint32_t pass = 0; pass < kPasses; ++pass) {
     tree = build(room, {.seed = 5, .pass = pass});
-    seen[index(tree.nodes[0].representative)] += 1;
+    seen[index(tree.node(0).representative)] += 1;
   }
   const double total = std::accumulate(tree.importance.begin(), tree.importance.end(), 0.0);
   double chi2 = 0;
@@ -212,11 +214,12 @@ TEST(AgglomerativeTree, LeavesOutLightsOfNoImportance) {
 }
 
 std::uint32_t depth(const LightTree& tree, std::uint32_t root) {
-  std::vector<std::uint32_t> depths(tree.nodes.size());
+  std::vector<std::uint32_t> depths(tree.size());
   std::uint32_t deepest = 0;
-  for (std::size_t k = root; k < tree.nodes.size(); ++k) {
+  for (std::size_t k = root; k < tree.size(); ++k) {
     deepest = std::max(deepest, depths[k]);
-    if (!tree.nodes[k].is_leaf()) depths[tree.nodes[k].left] = depths[tree.nodes[k].left + 1] = depths[k] + 1;
+    const LightNode node = tree.node(static_cast<std::uint32_t>(k));
+    if (!node.is_leaf()) depths[node.left] = depths[node.right] = depths[k] + 1;
   }
   return deepest;
 }
@@ -229,8 +232,8 @@ TEST(AgglomerativeTree, OfCoincidingLightsIsStillAShallowTree) {
   for (const bool equal : {false, true}) {
     if (equal) std::fill(room.lights.light.begin(), room.lights.light.end(), gray(1));
     const LightTree tree = build(room);
-    EXPECT_EQ(tree.nodes.size(), 39999u);
-    EXPECT_EQ(tree.nodes[0].cone_cos, 1);
+    EXPECT_EQ(tree.size(), 39999u);
+    EXPECT_EQ(tree.node(0).cone_cos, 1);
     EXPECT_LT(depth(tree, 0), 60u) << equal;
   }
 }

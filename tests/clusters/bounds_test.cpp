@@ -54,8 +54,8 @@ BoundsCheck check_bounds(const Room& room, const LightTree& tree, int n_pairs, s
   BoundsCheck check;
   while (check.pairs < n_pairs) {
     const auto i = static_cast<ReceiverId>(rng.below(static_cast<std::uint32_t>(room.receivers.size())));
-    const std::uint32_t n = rng.below(static_cast<std::uint32_t>(tree.nodes.size()));
-    const LightNode& node = tree.nodes[n];
+    const std::uint32_t n = rng.below(tree.size());
+    const LightNode node = tree.node(n);
     if (node.count > 128) continue;
     ++check.pairs;
     double sum = 0, most = 0;
@@ -184,7 +184,7 @@ TEST(CutBounds, HaveTheSameBitsInAllInstructionSets) {
                    .shading_tilt = 0.2f});
   const LightTree tree = build_light_tree(room.world(), room.lights, Room::kRadius, {});
   std::vector<CutCluster> clusters;
-  for (std::uint32_t n = 0; n < tree.nodes.size(); ++n) clusters.push_back(make_cut_cluster(tree, n));
+  for (std::uint32_t n = 0; n < tree.size(); ++n) clusters.push_back(make_cut_cluster(tree, n));
   for (const std::size_t n_points : {1, 15, 16, 17, 37}) {
     std::vector<ReceiverId> rows;
     for (std::size_t i = 0; i < n_points; ++i) rows.push_back(static_cast<ReceiverId>(i));

@@ -59,7 +59,7 @@ TEST(LightCut, HasExactlyTheSizeAskedForAndHoldsEveryLightOnce) {
     std::vector<int> seen(room.lights.size());
     double weighted = 0;
     for (const Column& c : columns) {
-      const LightNode& node = tree.nodes[c.node];
+      const LightNode node = tree.node(c.node);
       EXPECT_EQ(c.count, node.count);
       EXPECT_EQ(c.light, node.representative);
       for (std::uint32_t l = node.first; l < node.first + node.count; ++l) ++seen[index(tree.order[l])];
@@ -92,7 +92,7 @@ TEST(LightCut, IsOrderedByKindOctantAndTree) {
   const std::vector<Column> columns = cut(room, tree, 300);
   const Vec3 centre = slice_centre(room.receivers, all_rows(room));
   const auto key = [&](const Column& c) {
-    return std::tuple(tree.nodes[c.node].kind, c.octant, tree.nodes[c.node].first);
+    return std::tuple(tree.node(c.node).kind, c.octant, tree.node(c.node).first);
   };
   for (std::size_t k = 0; k < columns.size(); ++k) {
     EXPECT_EQ(columns[k].octant, octant(centre, room.lights, columns[k].light));

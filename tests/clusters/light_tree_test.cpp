@@ -30,14 +30,15 @@ TEST(LightTree, HoldsEveryLightInOneLeaf) {
     ASSERT_EQ(sorted.size(), n);
     for (std::size_t j = 0; j < n; ++j) EXPECT_EQ(index(sorted[j]), j);
     EXPECT_EQ(tree.roots.size(), std::min<std::size_t>(n, 4));
-    EXPECT_EQ(tree.nodes.size(), n == 0 ? 0 : 2 * n - tree.roots.size());
+    EXPECT_EQ(tree.size(), n == 0 ? 0 : 2 * n - tree.roots.size());
     std::size_t leaves = 0;
-    for (const LightNode& node : tree.nodes) {
+    for (std::uint32_t number = 0; number < tree.size(); ++number) {
+      const LightNode node = tree.node(number);
       leaves += node.is_leaf();
       EXPECT_EQ(node.is_leaf(), node.count == 1);
       if (!node.is_leaf()) {
-        EXPECT_EQ(tree.nodes[node.left].count + tree.nodes[node.left + 1].count, node.count);
-        EXPECT_LE(tree.nodes[node.left + 1].count - tree.nodes[node.left].count, 1u);  // halves
+        EXPECT_EQ(tree.node(node.left).count + tree.node(node.right).count, node.count);
+        EXPECT_LE(tree.node(node.right).count - tree.node(node.left).count, 1u);  // halves
       }
     }
     EXPECT_EQ(leaves, n);
@@ -49,8 +50,8 @@ TEST(LightTree, NodesContainTheirLights) {
       {.n_receivers = 1, .n_lights = 4000, .kinds = kAllKinds, .glossy = true, .glass = true, .shading_tilt = 0.2f});
   const LightTree tree = build(room);
   const VirtualLights& lights = room.lights;
-  for (std::size_t k = 0; k < tree.nodes.size(); ++k) {
-    const LightNode& node = tree.nodes[k];
+  for (std::uint32_t k = 0; k < tree.size(); ++k) {
+    const LightNode node = tree.node(k);
     double importance = 0;
     for (std::uint32_t l = node.first; l < node.first + node.count; ++l) {
       const std::size_t j = index(tree.order[l]);
@@ -68,7 +69,7 @@ TEST(LightTree, NodesContainTheirLights) {
     }
     EXPECT_NEAR(node.importance, importance, 1e-5 * importance);
     if (!node.is_leaf()) {
-      EXPECT_EQ(node.importance, tree.nodes[node.left].importance + tree.nodes[node.left + 1].importance);
+      EXPECT_EQ(node.importance, tree.node(node.left).importance + tree.node(node.right).importance);
     }
   }
 }
@@ -78,7 +79,8 @@ TEST(LightTree, ConesAreNotMuchWiderThanNeeded) {
   const Room room({.n_receivers = 1, .n_lights = 3000});
   const LightTree tree = build(room);
   std::size_t flat = 0;
-  for (const LightNode& node : tree.nodes) {
+  for (std::uint32_t number = 0; number < tree.size(); ++number) {
+    const LightNode node = tree.node(number);
     bool same = true;
     for (std::uint32_t l = node.first; l < node.first + node.count; ++l)
       same = same && room.lights.n[index(tree.order[l])] == room.lights.n[index(tree.order[node.first])];
@@ -100,8 +102,8 @@ TEST(LightTree, SplitsAlongTheLongestExtent) {
     room.lights.n[j] = room.lights.ng[j] = {0, 0, 1};
   }
   const LightTree tree = build(room);
-  const LightNode& root = tree.nodes[tree.roots[0]];
-  const Box3 &a = tree.nodes[root.left].box, &b = tree.nodes[root.left + 1].box;
+  const LightNode root = tree.node(tree.roots[0]);
+  const Box3 a = tree.node(root.left).box, b = tree.node(root.right).box;
   const float gap = std::max(a.lower.x - b.upper.x, b.lower.x - a.upper.x);
   EXPECT_GT(gap, -0.05f);  // they overlap by no more than the cloud is thick
 }
@@ -109,12 +111,13 @@ TEST(LightTree, SplitsAlongTheLongestExtent) {
 TEST(LightTree, RepresentativeIsBelowItsNodeAndSharedWithOneChild) {
   const Room room({.n_receivers = 1, .n_lights = 2000, .kinds = kAllKinds, .glossy = true});
   const LightTree tree = build(room, {.seed = 4, .pass = 2});
-  for (const LightNode& node : tree.nodes) {
+  for (std::uint32_t number = 0; number < tree.size(); ++number) {
+    const LightNode node = tree.node(number);
     const auto begin = tree.order.begin() + node.first;
     EXPECT_NE(std::find(begin, begin + node.count, node.representative), begin + node.count);
     if (!node.is_leaf()) {
-      EXPECT_TRUE(node.representative == tree.nodes[node.left].representative ||
-                  node.representative == tree.nodes[node.left + 1].representative);
+      EXPECT_TRUE(node.representative == tree.node(node.left).representative ||
+                  node.representative == tree.node(node.right).representative);
     }
   }
 }
@@ -127,7 +130,7 @@ TEST(LightTree, RepresentativesAreDrawnInProportionToImportance) {
   LightTree tree;
   for (int pass = 0; pass < kPasses; ++pass) {
     tree = build(room, {.seed = 11, .pass = static_cast<std::uint32_t>(pass)});
-    ++count[index(tree.nodes[tree.roots[0]].representative)];
+    ++count[index(tree.node(tree.roots[0]).representative)];
   }
   const double total = std::accumulate(tree.importance.begin(), tree.importance.end(), 0.0);
   double chi2 = 0, rare_expected = 0, rare_count = 0;
@@ -156,13 +159,13 @@ TEST(LightTree, IsTheSameForAnyNumberOfThreads) {
   for (const int threads : {1, 2, 7}) {
     const ThreadScope scope(threads);
     const LightTree tree = build(room, {.seed = 9});
-    if (first.nodes.empty()) first = tree;
+    if (first.order.empty()) first = tree;
     ASSERT_EQ(tree.order, first.order) << threads;
-    for (std::size_t k = 0; k < tree.nodes.size(); ++k) {
-      ASSERT_EQ(tree.nodes[k].importance, first.nodes[k].importance);
-      ASSERT_EQ(tree.nodes[k].representative, first.nodes[k].representative);
-      ASSERT_EQ(tree.nodes[k].cone_axis, first.nodes[k].cone_axis);
-      ASSERT_EQ(tree.nodes[k].box.upper, first.nodes[k].box.upper);
+    for (std::uint32_t k = 0; k < tree.size(); ++k) {
+      ASSERT_EQ(tree.node(k).importance, first.node(k).importance);
+      ASSERT_EQ(tree.node(k).representative, first.node(k).representative);
+      ASSERT_EQ(tree.node(k).cone_axis, first.node(k).cone_axis);
+      ASSERT_EQ(tree.node(k).box.upper, first.node(k).box.upper);
     }
   }
 }
@@ -180,8 +183,8 @@ TEST(LightTree, OfCoincidingLightsIsStillATree) {
   std::fill(room.lights.p.begin(), room.lights.p.end(), Vec3{1, 2, 3});
   std::fill(room.lights.n.begin(), room.lights.n.end(), Vec3{0, 0, 1});
   const LightTree tree = build(room);
-  EXPECT_EQ(tree.nodes.size(), 1999u);
-  EXPECT_EQ(tree.nodes[0].cone_cos, 1);
+  EXPECT_EQ(tree.size(), 1999u);
+  EXPECT_EQ(tree.node(0).cone_cos, 1);
 }
 
 }  // namespace

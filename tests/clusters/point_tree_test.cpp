@@ -172,8 +172,8 @@ void check_pairs(const PairCase& c, int n_pairs) {
   std::vector<std::pair<double, double>> ratios;  // bound over light, light
   for (int pair = 0; pair < n_pairs; ++pair) {
     const PointNode& point = points.nodes[rng.below(static_cast<std::uint32_t>(points.nodes.size()))];
-    const std::uint32_t n = rng.below(static_cast<std::uint32_t>(lights.nodes.size()));
-    const LightNode& node = lights.nodes[n];
+    const std::uint32_t n = rng.below(lights.size());
+    const LightNode node = lights.node(n);
     const ReceiverId i = points.order[point.first + rng.below(point.count)];
     const double bound = bound_pair(make_pair_receivers(point), make_cut_cluster(lights, n), kClamp * kClamp);
     // Rounding, as for bounds at single receivers: 2e-5 of the value; cosines near 0 are off by 1e-6.

@@ -89,6 +89,7 @@ Vec3 place_of(const VirtualLights& lights, std::size_t j) {
 LightTree build_agglomerative_tree(const World& world, const VirtualLights& lights, float scene_radius,
                                    const AgglomerativeParams& params) {
   LightTree tree;
+  tree.lights = &lights;
   tree.importance = light_importance(world, lights);
   std::array<Curve, kLightKinds> curves;
   std::array<std::size_t, kLightKinds> n_lights{};
@@ -96,16 +97,14 @@ LightTree build_agglomerative_tree(const World& world, const VirtualLights& ligh
     curves[k] = sort_along_curve(lights, tree, static_cast<LightKind>(k));
     n_lights[k] = curves[k].lights.size();
   }
-  const std::array<std::uint32_t, kLightKinds> roots = reserve_nodes(n_lights, tree);
+  const std::array<RootPlace, kLightKinds> roots = reserve_nodes(n_lights, tree);
 
   const NodeMaker maker(world, lights, params.key, tree);
-  std::uint32_t first = 0;
   for (std::size_t k = 0; k < kLightKinds; ++k) {
     if (n_lights[k] == 0) continue;
     const Measure measure = measure_of(static_cast<LightKind>(k), scene_radius);
     const Merges merges = Clustering(lights, tree, curves[k], measure, params.n_competing).run();
-    lay_out(merges, curves[k].lights, roots[k], first, maker, tree);
-    first += static_cast<std::uint32_t>(n_lights[k]);
+    lay_out(merges, curves[k].lights, roots[k], maker, tree);
   }
   return tree;
 }

@@ -16,6 +16,8 @@ void set_frame(Vec3 axis, float (&soa)[9][kCutLanes], std::size_t lane) {
 
 AxisFrame back_frame(Vec3 axis) { return axis_frame(-axis); }
 
+CutCluster cluster_of(const LightTree& tree, const LightNode& node, std::uint32_t index);
+
 float sine(float cosine) { return std::sqrt(std::max(0.0f, 1 - cosine * cosine)); }
 
 void set_point(const World& world, const Receivers& receivers, std::size_t i, std::size_t lane, CutPoints::Group& g) {
@@ -59,7 +61,12 @@ CutPoints make_cut_points(const World& world, const Receivers& receivers, std::s
 }
 
 CutCluster make_cut_cluster(const LightTree& tree, std::uint32_t index) {
-  const LightNode& node = tree.nodes[index];
+  return tree.is_leaf(index) ? cluster_of(tree, tree.node(index), index) : cluster_of(tree, tree.inner[index], index);
+}
+
+namespace {
+
+CutCluster cluster_of(const LightTree& tree, const LightNode& node, std::uint32_t index) {
   CutCluster c{};
   for (int a = 0; a < 3; ++a) c.lower[a] = node.box.lower[a], c.upper[a] = node.box.upper[a];
   c.distant = node.kind == LightKind::directional;
@@ -69,13 +76,15 @@ CutCluster make_cut_cluster(const LightTree& tree, std::uint32_t index) {
   c.back = back_frame(node.cone_axis);
   c.cone_cos = node.cone_cos, c.cone_sin = sine(node.cone_cos);
   if (node.kind == LightKind::oriented) return c;
-  const GlossyNode& glossy = tree.glossy[index - tree.first_glossy];
+  const GlossyNode& glossy = tree.glossy_node(index);
   c.diffuse = glossy.diffuse, c.gloss = glossy.gloss, c.any = glossy.any;
   c.mirror_back = back_frame(glossy.mirror_axis);
   c.mirror_cos = glossy.mirror_cos, c.mirror_sin = sine(glossy.mirror_cos);
   c.inverse_alpha2 = 1 / (glossy.alpha * glossy.alpha);
   return c;
 }
+
+}  // namespace
 
 CutCluster make_light_cluster(const World& world, const VirtualLights& lights, LightId light, float importance,
                               float weight) {

@@ -29,6 +29,11 @@ class NodeHeap {
     return ~static_cast<std::uint32_t>(top);
   }
   std::size_t size() const { return keys_.size(); }
+  /// f(node) for each, in no order worth naming.
+  template <class F>
+  void for_each(const F& f) const {
+    for (const Key key : keys_) f(~static_cast<std::uint32_t>(key));
+  }
 
  private:
   using Key = std::uint64_t;
@@ -71,7 +76,7 @@ void add_nodes(const LightTree& tree, const CutPoints& points, std::span<const s
   std::array<std::uint32_t, kLightKinds> inner{};
   std::size_t n_inner = 0;
   for (const std::uint32_t node : nodes) {
-    if (tree.nodes[node].is_leaf()) {
+    if (tree.is_leaf(node)) {
       cut.leaves.push_back(node);
     } else {
       clusters[n_inner] = make_cut_cluster(tree, node);
@@ -96,12 +101,12 @@ std::vector<Column> light_cut(const World& world, const Receivers& receivers, st
   Cut cut;
   add_nodes(tree, points, tree.roots, cut);
   while (cut.size() < params.n_clusters && cut.heap.size() > 0) {
-    const std::uint32_t left = tree.nodes[cut.heap.pop()].left;
-    add_nodes(tree, points, std::array{left, left + 1}, cut);
+    const LightNode& node = tree.inner[cut.heap.pop()];
+    add_nodes(tree, points, std::array{node.left, node.right}, cut);
   }
 
   std::vector<std::uint32_t> nodes = std::move(cut.leaves);
-  while (cut.heap.size() > 0) nodes.push_back(cut.heap.pop());
+  cut.heap.for_each([&](std::uint32_t node) { nodes.push_back(node); });
   return sorted_columns(lights, tree, slice_centre(receivers, rows), nodes);
 }
 
@@ -113,22 +118,33 @@ std::uint32_t octant(Vec3 slice_centre, const VirtualLights& lights, LightId lig
 
 namespace {
 
+/// Nodes of a cut are disjoint, so their first leaves differ; leaves of one kind are consecutive.
 std::vector<Column> sorted_columns(const VirtualLights& lights, const LightTree& tree, Vec3 centre,
                                    std::span<const std::uint32_t> nodes) {
+  struct Place {
+    std::uint64_t key;  ///< kind, octant, first leaf
+    std::uint32_t node;
+    std::uint32_t octant;
+  };
+  std::vector<Place> places;
+  places.reserve(nodes.size());
+  for (const std::uint32_t n : nodes) {
+    const LightId light = tree.representative(n);
+    const std::uint64_t kind = static_cast<std::uint8_t>(lights.kind[index(light)]);
+    const std::uint32_t o = octant(centre, lights, light);
+    places.push_back({(kind << 8 | o) << 32 | tree.first_leaf(n), n, o});
+  }
+  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.key < b.key; });
+
   std::vector<Column> columns;
   columns.reserve(nodes.size());
-  for (const std::uint32_t n : nodes) {
-    const LightNode& node = tree.nodes[n];
-    const LightId light = node.representative;
-    columns.push_back({light, node.importance / tree.importance[index(light)], n, node.count,
-                       static_cast<std::uint8_t>(octant(centre, lights, light))});
+  for (const Place& place : places) {
+    const LightId light = tree.representative(place.node);
+    const bool leaf = tree.is_leaf(place.node);
+    const float weight = leaf ? 1.0f : tree.inner[place.node].importance / tree.importance[index(light)];
+    columns.push_back(
+        {light, weight, place.node, leaf ? 1u : tree.inner[place.node].count, static_cast<std::uint8_t>(place.octant)});
   }
-  // Nodes of a cut are disjoint, so their first leaves differ; leaves of one kind are consecutive.
-  std::sort(columns.begin(), columns.end(), [&](const Column& a, const Column& b) {
-    const LightNode &na = tree.nodes[a.node], &nb = tree.nodes[b.node];
-    if (na.kind != nb.kind) return na.kind < nb.kind;
-    return a.octant != b.octant ? a.octant < b.octant : na.first < nb.first;
-  });
   return columns;
 }
 

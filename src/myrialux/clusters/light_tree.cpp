@@ -23,9 +23,12 @@ struct Point {
   float key;  ///< position along the axis of the node being split
 };
 
-/// One subtree under construction: root `node`, its descendants fill [descendants, descendants + 2 count - 2).
+/// One subtree under construction: its inner nodes fill inner[node, node + count - 1), its leaves the order from
+/// `first`.
 struct Subtree {
-  std::uint32_t node, descendants, first;
+  std::uint32_t node;
+  DrawKey key;
+  std::uint32_t first;
   std::span<Point> points;
 };
 
@@ -38,23 +41,21 @@ void split(std::span<Point> points);
 LightTree build_light_tree(const World& world, const VirtualLights& lights, float scene_radius,
                            const LightTreeParams& params) {
   LightTree tree;
+  tree.lights = &lights;
   tree.importance = light_importance(world, lights);
 
-  // Places of all nodes follow from the counts: 2 n - 1 for each kind, so subtrees are built independently.
+  // Places of all nodes follow from the counts, n - 1 inner ones for each kind, so subtrees are built independently.
   std::array<std::vector<Point>, kLightKinds> points;
   std::array<std::size_t, kLightKinds> n_lights{};
   for (int k = 0; k < kLightKinds; ++k) {
     points[k] = points_of_kind(lights, tree, static_cast<LightKind>(k), params.normal_weight * scene_radius);
     n_lights[k] = points[k].size();
   }
-  const std::array<std::uint32_t, kLightKinds> roots = reserve_nodes(n_lights, tree);
+  const std::array<RootPlace, kLightKinds> roots = reserve_nodes(n_lights, tree);
 
   const NodeMaker maker(world, lights, params.key, tree);
-  std::uint32_t first = 0;
-  for (int k = 0; k < kLightKinds; ++k) {
-    if (!points[k].empty()) build({roots[k], roots[k] + 1, first, points[k]}, maker, tree);
-    first += static_cast<std::uint32_t>(points[k].size());
-  }
+  for (int k = 0; k < kLightKinds; ++k)
+    if (!points[k].empty()) build({roots[k].inner, roots[k].key, roots[k].first, points[k]}, maker, tree);
   return tree;
 }
 
@@ -119,25 +120,22 @@ void split(std::span<Point> points) {
 }
 
 void build(const Subtree& s, const NodeMaker& maker, LightTree& tree) {
-  LightNode& node = tree.nodes[s.node];
-  node.first = s.first;
-  node.count = static_cast<std::uint32_t>(s.points.size());
-  if (node.count == 1) return maker.make_leaf(s.node, s.points[0].light);
+  const auto count = static_cast<std::uint32_t>(s.points.size()), n_left = count / 2;
+  if (count == 1) return maker.make_leaf(s.first, s.points[0].light);
+  set_places(s.node, s.first, count, n_left, tree);
 
   split(s.points);
-  node.left = s.descendants;
-  const std::uint32_t n_left = node.count / 2, left = s.descendants, below = s.descendants + 2;
-  const auto build_left = [&] { build({left, below, s.first, s.points.first(n_left)}, maker, tree); };
+  const auto build_left = [&] { build({s.node + 1, s.key.left(), s.first, s.points.first(n_left)}, maker, tree); };
   const auto build_right = [&] {
-    build({left + 1, below + 2 * n_left - 2, s.first + n_left, s.points.subspan(n_left)}, maker, tree);
+    build({s.node + n_left, s.key.right(n_left), s.first + n_left, s.points.subspan(n_left)}, maker, tree);
   };
-  if (node.count > kSerialLights) {
+  if (count > kSerialLights) {
     parallel_invoke(build_left, build_right);
   } else {
     build_left();
     build_right();
   }
-  maker.join_children(s.node);
+  maker.join_children(s.node, s.key);
 }
 
 }  // namespace

@@ -8,16 +8,17 @@
 
 namespace myrialux {
 
-/// 64 bytes.
+/// 64 bytes. Only inner nodes are stored: a leaf follows from its light.
 struct LightNode {
-  Box3 box;                            ///< of positions; directional: of the unit directions towards the lights
-  Vec3 cone_axis;                      ///< unit; the normals of the lights' cosines lie within the cone (glossy: ng)
-  float cone_cos = 1;                  ///< cosine of its half angle; -1: any direction (point, spot, directional)
-  float importance = 0;                ///< sum of VirtualLights::importance
-  std::uint32_t first = 0, count = 0;  ///< leaves below: LightTree::order[first .. first + count)
-  std::uint32_t left = 0;              ///< index of the left child; the right one follows it. 0: leaf
-  LightId representative{};            ///< drawn from the leaves in proportion to importance; shared with one child
-  LightKind kind = LightKind::oriented;
+  Box3 box;                 ///< of positions; directional: of the unit directions towards the lights
+  Vec3 cone_axis;           ///< unit; the normals of the lights' cosines lie within the cone (glossy: ng)
+  float cone_cos = 1;       ///< cosine of its half angle; -1: any direction (point, spot, directional)
+  float importance = 0;     ///< sum of VirtualLights::importance
+  std::uint32_t first = 0;  ///< leaves below: LightTree::order[first .. first + count)
+  std::uint32_t count : 30 = 0;
+  LightKind kind : 2 = LightKind::oriented;
+  std::uint32_t left = 0, right = 0;  ///< numbers of the children; 0: leaf
+  LightId representative{};           ///< drawn from the leaves in proportion to importance; shared with one child
   bool is_leaf() const { return left == 0; }
 };
 
@@ -33,19 +34,42 @@ struct GlossyNode {
 /// Of one glossy light.
 GlossyNode glossy_bounds(const World& world, const VirtualLights& lights, LightId light);
 
-/// One binary tree a kind of light; roots listed. Leaves hold exactly one light.
+/// One binary tree a kind of light; roots listed. Leaves hold exactly one light. Nodes are numbered: inner ones first,
+/// in preorder, the kinds one after another; then the leaves in their order. Refers to the lights it was built from.
 struct LightTree {
-  std::vector<LightNode> nodes;
-  std::vector<GlossyNode> glossy;  ///< of the nodes first_glossy, first_glossy + 1, ...
-  std::uint32_t first_glossy = 0;
+  const VirtualLights* lights = nullptr;
+  std::vector<LightNode> inner;
+  std::vector<GlossyNode> glossy;  ///< of inner nodes of that kind, then of its leaves; see glossy_node()
+  std::uint32_t first_glossy_inner = 0, n_glossy_inner = 0, first_glossy_leaf = 0;
   std::vector<std::uint32_t> roots;  ///< in the order of LightKind
   std::vector<LightId> order;        ///< leaves depth first, the kinds one after another
   std::vector<float> importance;     ///< indexed by light, those left out included
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(inner.size() + order.size()); }
+  std::uint32_t n_lights() const { return static_cast<std::uint32_t>(order.size()); }
+  bool is_leaf(std::uint32_t n) const { return n >= inner.size(); }
+  /// The number of the leaf at order[place].
+  std::uint32_t leaf(std::uint32_t place) const { return static_cast<std::uint32_t>(inner.size()) + place; }
+  LightNode node(std::uint32_t n) const { return is_leaf(n) ? leaf_node(n) : inner[n]; }
+  LightId representative(std::uint32_t n) const {
+    return is_leaf(n) ? order[n - inner.size()] : inner[n].representative;
+  }
+  /// Place in the order of the node's first leaf.
+  std::uint32_t first_leaf(std::uint32_t n) const {
+    return is_leaf(n) ? n - static_cast<std::uint32_t>(inner.size()) : inner[n].first;
+  }
+  /// Of a node of glossy lights.
+  const GlossyNode& glossy_node(std::uint32_t n) const { return glossy[glossy_place(n)]; }
+  std::size_t glossy_place(std::uint32_t n) const {
+    return is_leaf(n) ? n_glossy_inner + (n - inner.size()) - first_glossy_leaf : n - first_glossy_inner;
+  }
   std::uint64_t memory_bytes() const {
-    return nodes.size() * sizeof(LightNode) + glossy.size() * sizeof(GlossyNode) + order.size() * sizeof(LightId) +
+    return inner.size() * sizeof(LightNode) + glossy.size() * sizeof(GlossyNode) + order.size() * sizeof(LightId) +
            importance.size() * sizeof(float);
   }
-  std::uint32_t n_lights() const { return static_cast<std::uint32_t>(order.size()); }
+
+ private:
+  LightNode leaf_node(std::uint32_t n) const;
 };
 
 struct LightTreeParams {

@@ -10,7 +10,9 @@ constexpr std::uint32_t kSerialLights = 1 << 12;  ///< subtrees up to this size 
 
 /// A node of the merges and where it goes.
 struct Place {
-  std::uint32_t id, node, descendants, first;
+  std::uint32_t id, node;
+  DrawKey key;
+  std::uint32_t first;
 };
 
 class Layout {
@@ -32,11 +34,10 @@ class Layout {
 
 }  // namespace
 
-void lay_out(const Merges& merges, std::span<const std::uint32_t> lights, std::uint32_t root, std::uint32_t first,
-             const NodeMaker& maker, LightTree& tree) {
+void lay_out(const Merges& merges, std::span<const std::uint32_t> lights, const RootPlace& root, const NodeMaker& maker,
+             LightTree& tree) {
   const Layout layout(merges, lights, maker, tree);
-  std::vector<Place> open{{merges.root, root, root + 1, first}}, subtrees;
-  std::vector<std::uint32_t> upper;
+  std::vector<Place> open{{merges.root, root.inner, root.key, root.first}}, subtrees, upper;
   while (!open.empty()) {
     const Place p = open.back();
     open.pop_back();
@@ -44,11 +45,11 @@ void lay_out(const Merges& merges, std::span<const std::uint32_t> lights, std::u
       subtrees.push_back(p);
     } else {
       layout.place(p, open);
-      upper.push_back(p.node);
+      upper.push_back(p);
     }
   }
   parallel_for(subtrees.size(), [&](std::size_t k) { layout.fill_subtree(subtrees[k]); });
-  for (std::size_t k = upper.size(); k-- > 0;) maker.join_children(upper[k]);
+  for (std::size_t k = upper.size(); k-- > 0;) maker.join_children(upper[k].node, upper[k].key);
 }
 
 namespace {
@@ -70,27 +71,24 @@ Layout::Layout(const Merges& merges, std::span<const std::uint32_t> lights, cons
 }
 
 void Layout::place(const Place& p, std::vector<Place>& open) const {
-  LightNode& node = tree_.nodes[p.node];
-  node.first = p.first;
-  node.count = count(p.id);
-  if (p.id < n_) return maker_.make_leaf(p.node, lights_[p.id]);
-  node.left = p.descendants;
+  if (p.id < n_) return maker_.make_leaf(p.first, lights_[p.id]);
   const auto& parts = merges_.parts[p.id - n_];
-  const std::uint32_t n_left = count(parts[0]), below = p.descendants + 2;
-  open.push_back({parts[0], p.descendants, below, p.first});
-  open.push_back({parts[1], p.descendants + 1, below + 2 * n_left - 2, p.first + n_left});
+  const std::uint32_t n_left = count(parts[0]);
+  set_places(p.node, p.first, count(p.id), n_left, tree_);
+  open.push_back({parts[0], p.node + 1, p.key.left(), p.first});
+  open.push_back({parts[1], p.node + n_left, p.key.right(n_left), p.first + n_left});
 }
 
 void Layout::fill_subtree(const Place& top) const {
   std::vector<Place> open{top};
-  std::vector<std::uint32_t> inner;
+  std::vector<Place> inner;
   while (!open.empty()) {
     const Place p = open.back();
     open.pop_back();
     place(p, open);
-    if (p.id >= n_) inner.push_back(p.node);
+    if (p.id >= n_) inner.push_back(p);
   }
-  for (std::size_t k = inner.size(); k-- > 0;) maker_.join_children(inner[k]);
+  for (std::size_t k = inner.size(); k-- > 0;) maker_.join_children(inner[k].node, inner[k].key);
 }
 
 }  // namespace

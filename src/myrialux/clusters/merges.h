@@ -16,10 +16,10 @@ struct Merges {
   std::uint32_t root = 0;
 };
 
-/// Gives every node its place in the tree, children side by side and after their parent, leaves in depth-first order;
-/// then fills the nodes from the leaves up. Parallel; any depth will do.
-/// @param lights of the leaves; @param root where the root stands; @param first place of the first leaf in tree.order
-void lay_out(const Merges& merges, std::span<const std::uint32_t> lights, std::uint32_t root, std::uint32_t first,
-             const NodeMaker& maker, LightTree& tree);
+/// Gives every node its place in the tree, in preorder, and every leaf its own, depth first; then fills the nodes from
+/// the leaves up. Parallel; any depth will do.
+/// @param lights of the leaves; @param root where the kind begins, as reserve_nodes() says
+void lay_out(const Merges& merges, std::span<const std::uint32_t> lights, const RootPlace& root, const NodeMaker& maker,
+             LightTree& tree);
 
 }  // namespace myrialux

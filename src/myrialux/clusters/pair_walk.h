@@ -40,8 +40,8 @@ void judge_pairs(const LightTree& lights, std::size_t first, PairLists& lists, c
         case PairVerdict::done:
           break;
         case PairVerdict::split_lights:
-          lists.stack.push_back(lights.nodes[node].left + 1);
-          lists.stack.push_back(lights.nodes[node].left);
+          lists.stack.push_back(lights.inner[node].right);
+          lists.stack.push_back(lights.inner[node].left);
           break;
         case PairVerdict::split_points:
           lists.waiting.push_back(node);

@@ -145,18 +145,16 @@ void PacketRefinement::add_root(std::uint32_t node) {
 
 /// Replaces the node by its children in the cuts of some receivers.
 void PacketRefinement::split(std::uint32_t place, std::uint32_t rows) {
-  const std::uint32_t left = tree_->nodes[nodes_[place].node].left;
-  const LightId representative = tree_->nodes[nodes_[place].node].representative;
-  const float importance = tree_->nodes[nodes_[place].node].importance;
+  const LightNode& divided = tree_->inner[nodes_[place].node];
   std::array<std::uint32_t, 2> children{};
   for (std::uint32_t c = 0; c < 2; ++c) {
     children[c] = new_place();
     CutNode& at = nodes_[children[c]];
-    const LightNode& node = tree_->nodes[left + c];
-    at.node = left + c, at.rows = rows;
+    at.node = c == 0 ? divided.left : divided.right, at.rows = rows;
+    const LightNode node = tree_->node(at.node);
     set_bounds(at);
-    if (node.representative == representative) {
-      const float share = node.importance / importance;
+    if (node.representative == divided.representative) {
+      const float share = node.importance / divided.importance;
       for (std::size_t channel = 0; channel < 3; ++channel)
         for (std::size_t k = 0; k < kCutLanes; ++k)
           at.light.rgb[channel][k] = share * nodes_[place].light.rgb[channel][k];
@@ -189,7 +187,7 @@ std::uint32_t PacketRefinement::new_place() {
 }
 
 void PacketRefinement::set_bounds(CutNode& at) {
-  if (tree_->nodes[at.node].is_leaf()) {
+  if (tree_->is_leaf(at.node)) {
     at.bound.fill(0);
   } else {
     bound_lanes(*points_, group_, make_cut_cluster(*tree_, at.node), at.bound);
@@ -198,7 +196,7 @@ void PacketRefinement::set_bounds(CutNode& at) {
 }
 
 void PacketRefinement::evaluate(CutNode& at) {
-  const LightNode& node = tree_->nodes[at.node];
+  const LightNode node = tree_->node(at.node);
   lights_->evaluate(node.representative, at.rows, at.light);
   const float weight = node.importance / tree_->importance[index(node.representative)];
   for (auto& channel : at.light.rgb)

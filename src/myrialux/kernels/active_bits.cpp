@@ -47,17 +47,19 @@ HWY_INLINE std::uint64_t active_word(const RowBlock& rows, std::uint64_t both_si
   std::uint64_t word = 0;
   for (std::size_t row = 0; row < kBlockRows; row += hn::Lanes(d)) {
     const V3 w = kDistant ? to : to - load(d, rows.p, row);
+    Mask lit = hn::Eq(zero, zero);
+    if constexpr (kSides != LitSides::all) {  // w points to the light, so its front sees it from the other way
+      const V from_ng = dot_unfused(light_ng, w), from_n = kFlatLight ? from_ng : dot_unfused(light_n, w);
+      lit = hn::And(hn::Lt(from_ng, zero), hn::Lt(from_n, zero));
+      if constexpr (kSides == LitSides::front_and_back)
+        lit = hn::Or(lit, hn::And(hn::Gt(from_ng, zero), hn::Gt(from_n, zero)));
+      // Neighbouring rows mostly lie behind a light together: then their own normals need not be looked at.
+      if (hn::AllFalse(d, lit)) continue;
+    }
     const V at_ng = dot_unfused(load(d, rows.ng, row), w);
     const V at_n = kFlat ? at_ng : dot_unfused(load(d, rows.n, row), w);
     const Mask behind = hn::And(hn::And(hn::Lt(at_ng, zero), hn::Lt(at_n, zero)), mask_of(d, both_sides, row));
-    Mask active = hn::Or(hn::And(hn::Gt(at_ng, zero), hn::Gt(at_n, zero)), behind);
-    if constexpr (kSides != LitSides::all) {  // w points to the light, so its front sees it from the other way
-      const V from_ng = dot_unfused(light_ng, w), from_n = kFlatLight ? from_ng : dot_unfused(light_n, w);
-      Mask lit = hn::And(hn::Lt(from_ng, zero), hn::Lt(from_n, zero));
-      if constexpr (kSides == LitSides::front_and_back)
-        lit = hn::Or(lit, hn::And(hn::Gt(from_ng, zero), hn::Gt(from_n, zero)));
-      active = hn::And(active, lit);
-    }
+    const Mask active = hn::And(lit, hn::Or(hn::And(hn::Gt(at_ng, zero), hn::Gt(at_n, zero)), behind));
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, active, bits);
     word |= (std::uint64_t{bits[0]} | std::uint64_t{bits[1]} << 8) << row;

@@ -18,7 +18,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<float, kCutLanes>;
 using V = hn::Vec<Tag>;
 
-/// The cluster's box as seen from the points, and squared distances.
+/// The cluster's box as seen from the points, and squared distances. kPoint: it has no extent, `upper` and
+/// `far_squared` are not set; the same bits in half the operations.
+template <bool kPoint>
 struct Relative {
   V lower[3], upper[3], near_squared, far_squared;
 };
@@ -26,6 +28,10 @@ struct Relative {
 struct FrameLanes {
   V axis[3], s[3], t[3];
 };
+
+bool is_point(const CutCluster& c) {
+  return c.lower[0] == c.upper[0] && c.lower[1] == c.upper[1] && c.lower[2] == c.upper[2];
+}
 
 HWY_INLINE V positive(V x) { return hn::Max(x, hn::Zero(Tag())); }
 HWY_INLINE V set(float x) { return hn::Set(Tag(), x); }
@@ -43,12 +49,19 @@ HWY_INLINE FrameLanes spread_frame(const AxisFrame& frame) {
   return f;
 }
 
-HWY_INLINE Relative relative_box(const CutPoints::Group& g, std::size_t k, const CutCluster& c) {
-  Relative r;
-  r.near_squared = r.far_squared = set(0);
+template <bool kPoint>
+HWY_INLINE Relative<kPoint> relative_box(const CutPoints::Group& g, std::size_t k, const CutCluster& c) {
+  Relative<kPoint> r;
+  r.near_squared = set(0);
+  if constexpr (!kPoint) r.far_squared = set(0);
   for (int a = 0; a < 3; ++a) {
     const V p = c.distant ? set(0) : load(g.p[a] + k);
-    r.lower[a] = hn::Sub(set(c.lower[a]), p), r.upper[a] = hn::Sub(set(c.upper[a]), p);
+    r.lower[a] = hn::Sub(set(c.lower[a]), p);
+    if constexpr (kPoint) {
+      r.near_squared = hn::Add(r.near_squared, hn::Mul(r.lower[a], r.lower[a]));
+      continue;
+    }
+    r.upper[a] = hn::Sub(set(c.upper[a]), p);
     const V gap = positive(hn::Max(r.lower[a], hn::Neg(r.upper[a])));
     const V far = hn::Max(r.upper[a], hn::Neg(r.lower[a]));
     r.near_squared = hn::Add(r.near_squared, hn::Mul(gap, gap));
@@ -57,7 +70,23 @@ HWY_INLINE Relative relative_box(const CutPoints::Group& g, std::size_t k, const
   return r;
 }
 
-HWY_INLINE V coordinate_gap_squared(const Relative& r, const V axis[3]) {
+/// Largest coordinate along the axis.
+template <bool kPoint>
+HWY_INLINE V along(const Relative<kPoint>& r, const V axis[3]) {
+  V z = set(0);
+  for (int a = 0; a < 3; ++a) {
+    const V low = hn::Mul(axis[a], r.lower[a]);
+    z = hn::Add(z, kPoint ? low : hn::Max(low, hn::Mul(axis[a], r.upper[a])));
+  }
+  return z;
+}
+
+template <bool kPoint>
+HWY_INLINE V coordinate_gap_squared(const Relative<kPoint>& r, const V axis[3]) {
+  if constexpr (kPoint) {
+    const V x = along(r, axis);
+    return hn::Mul(x, x);
+  }
   V least = set(0), most = set(0);
   for (int a = 0; a < 3; ++a) {
     const V x = hn::Mul(axis[a], r.lower[a]), y = hn::Mul(axis[a], r.upper[a]);
@@ -67,12 +96,12 @@ HWY_INLINE V coordinate_gap_squared(const Relative& r, const V axis[3]) {
   return hn::Mul(gap, gap);
 }
 
-HWY_INLINE V largest_cosine(const Relative& r, const FrameLanes& frame) {
-  V z = set(0);
-  for (int a = 0; a < 3; ++a)
-    z = hn::Add(z, hn::Max(hn::Mul(frame.axis[a], r.lower[a]), hn::Mul(frame.axis[a], r.upper[a])));
+template <bool kPoint>
+HWY_INLINE V largest_cosine(const Relative<kPoint>& r, const FrameLanes& frame) {
+  const V z = along(r, frame.axis);
   const V across = hn::Add(coordinate_gap_squared(r, frame.s), coordinate_gap_squared(r, frame.t));
-  const V length_squared = hn::IfThenElse(hn::Lt(z, set(0)), r.far_squared, hn::Add(hn::Mul(z, z), across));
+  const V far_squared = kPoint ? r.near_squared : r.far_squared;
+  const V length_squared = hn::IfThenElse(hn::Lt(z, set(0)), far_squared, hn::Add(hn::Mul(z, z), across));
   return hn::Div(z, hn::Sqrt(hn::Max(length_squared, set(1e-30f))));
 }
 
@@ -90,7 +119,9 @@ HWY_INLINE V shape(V cosine, V inverse_alpha2, V c1, V c2, V c3, V t_least) {
   return hn::Div(hn::Mul(hn::Add(one, t), hn::Add(one, t)), hn::Add(one, hn::Mul(x, inner)));
 }
 
-HWY_INLINE V receiver_bound(const CutPoints& points, const CutPoints::Group& g, std::size_t k, const Relative& r) {
+template <bool kPoint>
+HWY_INLINE V receiver_bound(const CutPoints& points, const CutPoints::Group& g, std::size_t k,
+                            const Relative<kPoint>& r) {
   const V cosine = largest_cosine(r, load_frame(g.normal, k));
   const V bound = hn::Mul(load(g.diffuse + k), positive(cosine));
   if (!points.any_gloss) return bound;
@@ -100,7 +131,8 @@ HWY_INLINE V receiver_bound(const CutPoints& points, const CutPoints::Group& g, 
   return hn::Add(hn::Add(bound, gloss), load(g.any + k));
 }
 
-HWY_INLINE V light_bound(const CutCluster& c, const Relative& r) {
+template <bool kPoint>
+HWY_INLINE V light_bound(const CutCluster& c, const Relative<kPoint>& r) {
   if (!c.has_cone) return set(c.diffuse);
   const V cosine = positive(widen(largest_cosine(r, spread_frame(c.back)), c.cone_cos, c.cone_sin));
   const V bound = hn::Mul(set(c.diffuse), cosine);
@@ -112,8 +144,9 @@ HWY_INLINE V light_bound(const CutCluster& c, const Relative& r) {
 }
 
 /// At the lanes from k on.
+template <bool kPoint = false>
 HWY_INLINE V bound_vector(const CutPoints& points, const CutPoints::Group& g, std::size_t k, const CutCluster& c) {
-  const Relative r = relative_box(g, k, c);
+  const Relative<kPoint> r = relative_box<kPoint>(g, k, c);
   const V bound = hn::Mul(receiver_bound(points, g, k, r), light_bound(c, r));
   return c.distant ? bound : hn::Div(bound, hn::Max(r.near_squared, set(points.least_distance_squared)));
 }
@@ -138,10 +171,18 @@ void bound_groups(const CutPoints& points, const CutCluster& cluster, std::span<
     bounds[g] = hn::GetLane(hn::MaxOfLanes(Tag(), bound_group(points, points.groups[g], cluster, set(0))));
 }
 
+template <bool kPoint>
+HWY_INLINE void bound_all_lanes(const CutPoints& points, const CutPoints::Group& g, const CutCluster& cluster,
+                                std::span<float, kCutLanes> bounds) {
+  for (std::size_t k = 0; k < kCutLanes; k += hn::Lanes(Tag()))
+    hn::StoreU(bound_vector<kPoint>(points, g, k, cluster), Tag(), bounds.data() + k);
+}
+
 void bound_lanes(const CutPoints& points, std::size_t group, const CutCluster& cluster,
                  std::span<float, kCutLanes> bounds) {
-  for (std::size_t k = 0; k < kCutLanes; k += hn::Lanes(Tag()))
-    hn::StoreU(bound_vector(points, points.groups[group], k, cluster), Tag(), bounds.data() + k);
+  const CutPoints::Group& g = points.groups[group];
+  if (is_point(cluster)) return bound_all_lanes<true>(points, g, cluster, bounds);
+  bound_all_lanes<false>(points, g, cluster, bounds);
 }
 
 }  // namespace

@@ -20,8 +20,13 @@ struct alignas(64) Incident {
   BlockFloats w[3];    ///< unit, towards the light
   BlockFloats rgb[3];  ///< W m^-2, clamped; 0 where the light does not send to the row
   BlockFloats side;    ///< of its sign: w . ng of the row
-  BlockFloats excess;  ///< unclamped over clamped, less 1; only where there is clamping
+  BlockFloats excess;  ///< unclamped over clamped, less 1; only of tracked rows where there is clamping
 };
+
+/// Whether what clamping takes from the vector that starts at `row` is summed.
+HWY_INLINE bool is_tracked(const GeneralRun& run, std::size_t row) {
+  return run.clamp_distance > 0 && (run.tracked >> row & 1);
+}
 
 /// Calls visitor.visit<kind, ggx>() for the class.
 template <class Visitor>
@@ -68,7 +73,7 @@ HWY_INLINE V3 intensity(D d, const GeneralRun& run, const GeneralLight& light, V
     const V fall = spot_falloff(d, run.spots[light.extra], hn::Neg(dot(spread(d, light.at.n), w)));
     return {fall, fall, fall};
   } else if constexpr (kShape == LightShape::glossy) {
-    const SameFields fields{run.lobes[light.extra].field.data(), run.tables.data()};
+    const SameFields fields = same_fields(run.lobes[light.extra], run.tables.data());
     live = hn::Eq(zero, zero);
     const V3 away = {hn::Neg(w.x), hn::Neg(w.y), hn::Neg(w.z)};
     // evaluate_lobes() has the cosine to the shading normal; an intensity has the one to the geometric normal.
@@ -105,7 +110,7 @@ void light_rows(const RowBlock& rows, const GeneralRun& run, const GeneralLight&
       const V light_side = hn::Neg(dot_unfused(to_light, spread(d, light.at.ng)));
       rgb = rgb * intensity<kShape, kKind, kGgx>(d, run, light, w, light_side, inverse_distance) * clamped;
       hn::Store(dot_unfused(to_light, ng), d, out.side + row);
-      if (run.clamp_distance > 0) hn::Store(hn::Sub(hn::Div(inverse, clamped), one), d, out.excess + row);
+      if (is_tracked(run, row)) hn::Store(hn::Sub(hn::Div(inverse, clamped), one), d, out.excess + row);
     }
     store(d, w, out.w, row);
     store(d, rgb, out.rgb, row);

@@ -27,6 +27,7 @@ HWY_INLINE void shade_rows(const RowBlock& rows, const DiffuseRun& run, std::siz
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), least = hn::Set(d, kLeastSquaredDistance);
   const V bound = hn::Set(d, inverse_squared_clamp(run.clamp_distance));
   for (std::size_t c = 0; c < run.lights.size(); ++c) {
+    if (!has_rows(run.visible[c], row)) continue;
     const ColumnLight& light = run.lights[c];
     Mask mask = mask_of(d, run.visible[c], row);
     const V3 light_n = spread(d, light.n), rgb = spread(d, light.rgb);

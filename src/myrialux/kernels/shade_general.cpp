@@ -38,8 +38,9 @@ struct ReceiveVisitor {
     const D d;
     for (std::size_t row = 0; row < kBlockRows; row += hn::Lanes(d)) {
       if (!has_rows(class_rows, row)) continue;
-      const RowFields fields{lobes.field, row, run.tables.data()};
-      const bool track = run.clamp_distance > 0 && (run.tracked >> row & 1);
+      const RowFields fields{lobes.field, row, run.tables.data(),
+                             common_table(lobes, class_rows, row, run.tables.data())};
+      const bool track = is_tracked(run, row);
       V3 sum = load(d, sums.rgb, row), removed = load(d, sums.removed, row);
       for (std::size_t k = 0; k < chunk.n; ++k) {
         const std::uint64_t bits = run.visible[chunk.first + k] & class_rows;

@@ -49,6 +49,12 @@ HWY_INLINE Mask mask_of(D d, std::uint64_t bits, std::size_t row) {
   const std::uint64_t of_row = bits >> row;
   return hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&of_row));
 }
+/// The lanes as bits, lowest first.
+HWY_INLINE std::uint64_t bits_of(Mask mask) {
+  std::uint64_t bits = 0;
+  hn::StoreMaskBits(D(), mask, reinterpret_cast<std::uint8_t*>(&bits));
+  return bits;
+}
 /// Whether any row of the vector that starts at `row` is set.
 HWY_INLINE bool has_rows(std::uint64_t bits, std::size_t row) {
   return (bits >> row & ((std::uint64_t{1} << hn::Lanes(D())) - 1)) != 0;

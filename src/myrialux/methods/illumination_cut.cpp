@@ -58,7 +58,7 @@ class IlluminationCut {
   void accept_in_block(const PointNode& block, const PointNode& point, std::uint32_t light, Path& path);
   std::uint64_t visible_bits(const PointNode& block, std::span<const VisibleRun> runs) const;
   bool traces_all(const PointNode& point, std::uint32_t light) const {
-    return !sampling_ || lights_.nodes[light].is_leaf() || point.count < sampling_->least;
+    return !sampling_ || lights_.is_leaf(light) || point.count < sampling_->least;
   }
   PairSampler sampler() const { return {frame_.world, frame_.receivers, frame_.lights, points_.order, *sampling_}; }
 
@@ -192,7 +192,7 @@ void IlluminationCut::judge_all(const PointNode& point, std::size_t first_waitin
   const PairReceivers receivers = make_pair_receivers(point);
   const float limit = error_ * point.colour, radius = Ball(point.box).radius;
   judge_pairs(lights_, first_waiting, path.lists, [&](std::uint32_t index) {
-    const LightNode& light = lights_.nodes[index];
+    const LightNode light = lights_.node(index);
     const float bound = bound_pair(receivers, make_cut_cluster(lights_, index), least_distance_squared_);
     ++path.report.bounds;
     if (bound == 0) return PairVerdict::done;
@@ -211,7 +211,7 @@ void IlluminationCut::accept_wide(const PointNode& point, std::uint32_t light, P
   if (!pair.traced) {
     pair.first_run = static_cast<std::uint32_t>(path.runs.size());
     PairSampler one = sampler();
-    one.sample(point.first, point.count, lights_.nodes[light].representative, path.runs);
+    one.sample(point.first, point.count, lights_.representative(light), path.runs);
     path.report.rays += one.rays(), path.report.traced += one.rays();
     pair.end_run = static_cast<std::uint32_t>(path.runs.size());
   }
@@ -265,7 +265,7 @@ void IlluminationCut::accept_in_block(const PointNode& block, const PointNode& p
   }
   const std::size_t n_runs = path.runs.size();
   PairSampler one = sampler();
-  one.sample(point.first, point.count, lights_.nodes[light].representative, path.runs);
+  one.sample(point.first, point.count, lights_.representative(light), path.runs);
   path.report.rays += one.rays(), path.report.traced += one.rays();
   path.block.push_back({light, covered, 0, visible_bits(block, std::span(path.runs).subspan(n_runs))});
   path.runs.resize(n_runs);

@@ -52,7 +52,7 @@ class PixelCut {
     return node.strength / max_component(frame_->receivers.beta[index(node.representative)]);
   }
   float light_weight(const Pair& pair) const {
-    const LightNode& node = lights_->nodes[pair.light];
+    const LightNode node = lights_->node(pair.light);
     return node.importance / lights_->importance[index(node.representative)];
   }
 
@@ -171,11 +171,12 @@ Counts PixelCut::render(const FrameView& frame, const MethodParams& params, cons
 /// The side whose halves have the smaller sum of bounds; where the sums are alike, as for boxes that overlap, the
 /// larger box: bounds of a small one gain nothing for many splits.
 bool PixelCut::splits_light(const Pair& pair, std::array<float, 2>& bounds) const {
-  const LightNode& light = lights_->nodes[pair.light];
+  const LightNode light = lights_->node(pair.light);
   const GatherNode& receivers = gather(pair);
   std::array<float, 2> of_lights{}, of_receivers{};
   if (!light.is_leaf())
-    for (std::uint32_t k = 0; k < 2; ++k) of_lights[k] = bound(pair.gather, make_cut_cluster(*lights_, light.left + k));
+    for (std::uint32_t k = 0; k < 2; ++k)
+      of_lights[k] = bound(pair.gather, make_cut_cluster(*lights_, k == 0 ? light.left : light.right));
   if (!receivers.is_leaf()) {
     const CutCluster cluster = make_cut_cluster(*lights_, pair.light);
     for (std::uint32_t k = 0; k < 2; ++k) of_receivers[k] = bound(receivers.left + k, cluster);
@@ -196,14 +197,17 @@ void PixelCut::refine(std::size_t place_of_pair) {
   std::array<float, 2> bounds{};
   const bool by_light = splits_light(parent, bounds);
   const auto representative = [&](const Pair& pair) {
-    return by_light ? index(lights_->nodes[pair.light].representative) : index(gather(pair).representative);
+    return by_light ? index(lights_->representative(pair.light)) : index(gather(pair).representative);
   };
   total_ -= luminance_of(parent);
   pairs_[place_of_pair].transfer = {};  // kept only if nothing can come of either half
   for (std::uint32_t k = 0, n = 0; k < 2; ++k) {
     if (!(bounds[k] > 0)) continue;
     Pair child = parent;
-    (by_light ? child.light : child.gather) = (by_light ? lights_->nodes[parent.light].left : gather(parent).left) + k;
+    if (by_light)
+      child.light = k == 0 ? lights_->inner[parent.light].left : lights_->inner[parent.light].right;
+    else
+      child.gather = gather(parent).left + k;
     if (representative(child) != representative(parent)) child.transfer = evaluate(child.gather, child.light);
     const std::size_t place = n++ == 0 ? place_of_pair : pairs_.size();
     if (place == pairs_.size()) pairs_.emplace_back();
@@ -215,7 +219,7 @@ void PixelCut::refine(std::size_t place_of_pair) {
 void PixelCut::put(std::size_t place, const Pair& pair, float bound) {
   pairs_[place] = pair;
   total_ += luminance_of(pair);
-  if (gather(pair).is_leaf() && lights_->nodes[pair.light].is_leaf()) return;
+  if (gather(pair).is_leaf() && lights_->is_leaf(pair.light)) return;
   // Bounds are >= 0, so their bits order as integers do; equal ones by place.
   heap_.push_back(std::uint64_t{std::bit_cast<std::uint32_t>(bound)} << 32 | ~static_cast<std::uint32_t>(place));
   std::push_heap(heap_.begin(), heap_.end());
@@ -228,7 +232,7 @@ float PixelCut::bound(std::uint32_t gather, const CutCluster& cluster) const {
 
 Rgb PixelCut::evaluate(std::uint32_t gather, std::uint32_t light) {
   const ReceiverId i = tree_.nodes[gather].representative;
-  const LightId j = lights_->nodes[light].representative;
+  const LightId j = lights_->representative(light);
   ++counts_.evaluated;
   const Rgb entry = transfer(frame_->world, frame_->receivers, i, frame_->lights, j, params_->cut.clamp_distance);
   if (is_black(entry)) return entry;

@@ -35,7 +35,7 @@ void join_equal(std::vector<BlockPair>& pairs) {
 void make_columns(const LightTree& tree, std::span<const BlockPair> pairs, std::vector<Column>& columns) {
   columns.clear();
   for (const BlockPair& pair : pairs) {
-    const LightNode& node = tree.nodes[pair.light];
+    const LightNode node = tree.node(pair.light);
     const LightId light = node.representative;
     columns.push_back({light, node.importance / tree.importance[index(light)], pair.light, node.count, 0});
   }

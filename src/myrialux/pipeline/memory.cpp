@@ -91,7 +91,7 @@ Parts largest(std::initializer_list<Parts> stages) {
 Parts pass_parts(const FrameExtent& f) {
   constexpr Bytes kGlossy = sizeof(VirtualLights::Glossy);
   constexpr Bytes kLight = 3 * sizeof(Vec3) + sizeof(float) + sizeof(Rgb) + sizeof(std::uint32_t) + 2;
-  constexpr Bytes kTreeLight = 2 * sizeof(LightNode) + sizeof(LightId) + sizeof(float), kTreePoint = 40;
+  constexpr Bytes kTreeLight = sizeof(LightNode) + sizeof(LightId) + sizeof(float), kTreePoint = 40;
   constexpr Bytes kSlicePoint = 28, kOrder = sizeof(ReceiverId);
   const Bytes samples = n_samples(f), lights = f.n_lights * kLight + f.n_glossy * kGlossy;
   const Bytes tree = f.n_lights * kTreeLight + f.n_glossy * 2 * sizeof(GlossyNode);

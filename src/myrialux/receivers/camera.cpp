@@ -10,8 +10,10 @@ namespace myrialux {
 namespace {
 
 Vec3 on_lens(const Camera& camera, Vec2 lens) { return Vec3{lens.x, lens.y, 0} * camera.aperture_radius; }
-Transform placement(const Camera& camera, const CameraSample& sample) {
-  return camera.moves() ? camera.at(sample.time) : camera.to_world;
+/// f(camera to world at the sample's time); a camera that stands is not copied.
+template <class F>
+auto with_placement(const Camera& camera, const CameraSample& sample, const F& f) {
+  return camera.moves() ? f(camera.at(sample.time)) : f(camera.to_world);
 }
 /// Rows of the grid of cells that a pixel's samples are jittered in: as square as the factors of spp allow.
 int cell_rows(int spp) {
@@ -46,7 +48,8 @@ CameraSample camera_sample(const Camera& camera, int width, std::uint64_t pixel,
 }
 
 Vec3 lens_point(const Camera& camera, const CameraSample& sample) {
-  return placement(camera, sample).point(on_lens(camera, sample.lens));
+  return with_placement(camera, sample,
+                        [&](const Transform& to_world) { return to_world.point(on_lens(camera, sample.lens)); });
 }
 
 Ray camera_ray(const Camera& camera, int width, int height, const CameraSample& sample) {
@@ -57,13 +60,14 @@ Ray camera_ray(const Camera& camera, int width, int height, const CameraSample& 
   const Vec3 centre{(1 - 2 * x) * half, (1 - 2 * y) * half * h / w, 1};  // through the lens's centre: not bent
   const bool has_lens = camera.aperture_radius > 0;
   const Vec3 local = normalize(has_lens ? centre * camera.focus_distance - on_lens(camera, sample.lens) : centre);
-  Ray ray;
-  const Transform to_world = placement(camera, sample);
-  ray.direction = normalize(to_world.vector(local));
   const float near_t = camera.near_clip / local.z, far_t = camera.far_clip / local.z;
-  ray.origin = to_world.point(on_lens(camera, sample.lens)) + ray.direction * near_t;
-  ray.t_max = far_t - near_t;
-  return ray;
+  return with_placement(camera, sample, [&](const Transform& to_world) {
+    Ray ray;
+    ray.direction = normalize(to_world.vector(local));
+    ray.origin = to_world.point(on_lens(camera, sample.lens)) + ray.direction * near_t;
+    ray.t_max = far_t - near_t;
+    return ray;
+  });
 }
 
 Vec2 film_position(int width, std::uint64_t pixel, int k, int spp, RandomKey key) {

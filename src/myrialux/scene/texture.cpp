@@ -23,12 +23,13 @@ Rgb image_mean(const Image& image);
 Rgb Image::texel(int x, int y) const {
   MYRIALUX_ASSERT(x >= 0 && x < width && y >= 0 && y < height);
   const std::size_t at = (static_cast<std::size_t>(y) * width + x) * channels;
-  const auto channel = [&](std::size_t c) {
-    if (!floats.empty()) return floats[at + c];
-    return srgb ? srgb_table()[bytes[at + c]] : bytes[at + c] * (1.0f / 255);
+  const auto from = [&](const auto& channel) {
+    return channels < 3 ? gray(channel(0)) : Rgb{channel(0), channel(1), channel(2)};
   };
-  if (channels < 3) return gray(channel(0));
-  return {channel(0), channel(1), channel(2)};
+  if (!floats.empty()) return from([p = &floats[at]](std::size_t c) { return p[c]; });
+  const std::uint8_t* const p = &bytes[at];
+  if (!srgb) return from([p](std::size_t c) { return p[c] * (1.0f / 255); });
+  return from([p, &linear = srgb_table()](std::size_t c) { return linear[p[c]]; });
 }
 
 float Image::alpha(int x, int y) const {
@@ -65,6 +66,7 @@ const std::array<float, 256>& srgb_table() {
 }
 
 int wrap_index(int i, int n, Texture::Wrap wrap) {
+  if (i >= 0 && i < n) return i;  // most of all, and a division less
   if (wrap == Texture::Wrap::clamp) return i < 0 ? 0 : i >= n ? n - 1 : i;
   const int period = wrap == Texture::Wrap::mirror ? 2 * n : n;
   int k = i % period;
@@ -86,18 +88,18 @@ float reduce(float t, Texture::Wrap wrap) {
 
 Rgb bitmap(const Texture& texture, Vec2 uv) {
   const Image& image = *texture.image;
-  const auto fetch = [&](int x, int y) {
-    return image.texel(wrap_index(x, image.width, texture.wrap), wrap_index(y, image.height, texture.wrap));
-  };
+  const auto column = [&](int x) { return wrap_index(x, image.width, texture.wrap); };
+  const auto row = [&](int y) { return wrap_index(y, image.height, texture.wrap); };
   const float x = reduce(uv.x, texture.wrap) * static_cast<float>(image.width);
   const float y = reduce(uv.y, texture.wrap) * static_cast<float>(image.height);
   if (texture.filter == Texture::Filter::nearest)
-    return fetch(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
+    return image.texel(column(static_cast<int>(std::floor(x))), row(static_cast<int>(std::floor(y))));
   const float fx = std::floor(x - 0.5f), fy = std::floor(y - 0.5f);
   const float wx = x - 0.5f - fx, wy = y - 0.5f - fy;
   const int x0 = static_cast<int>(fx), y0 = static_cast<int>(fy);
-  const Rgb lower = fetch(x0, y0) * (1 - wx) + fetch(x0 + 1, y0) * wx;
-  const Rgb upper = fetch(x0, y0 + 1) * (1 - wx) + fetch(x0 + 1, y0 + 1) * wx;
+  const int left = column(x0), right = column(x0 + 1), low = row(y0), high = row(y0 + 1);
+  const Rgb lower = image.texel(left, low) * (1 - wx) + image.texel(right, low) * wx;
+  const Rgb upper = image.texel(left, high) * (1 - wx) + image.texel(right, high) * wx;
   return lower * (1 - wy) + upper * wy;
 }
 

@@ -110,7 +110,7 @@ ApproximationCounters Approximation::visit_children(std::uint32_t index, float i
 }
 
 PairVerdict Approximation::judge(const PointNode& point, const Ball& ball, std::uint32_t index, Packet& packet) const {
-  const LightNode& light = light_tree_.nodes[index];
+  const LightNode light = light_tree_.node(index);
   const Ball lights = light_ball(light, far_);
   const bool has_cone = light.kind == LightKind::oriented || light.kind == LightKind::glossy;
   const bool is_narrow = !has_cone || light.cone_cos > cone_cos_ || light.is_leaf();
