@@ -308,15 +308,19 @@ void LocalizedCompletion::trace_doubtful_blocks(bool settled) {
   }
 }
 
-/// Of the doubtful blocks, now traced, those that are not in the state predicted.
+/// Of the doubtful blocks, now looked at, those that are not in the state predicted; of those of which only some rows
+/// are traced, the ones that contradict.
 void LocalizedCompletion::find_changed_blocks() {
   changed_.clear();
   for (std::size_t w = 0; w < words_; ++w) {
-    if (doubtful_.four(w) == 0) continue;
+    const std::uint64_t doubtful = doubtful_.four(w);
+    if (doubtful == 0) continue;
     const std::uint64_t sees = any_in_blocks(column_[w]), misses = any_in_blocks(traced_[w] & ~column_[w]);
     const std::uint64_t was_known = sees_.four(w) | misses_.four(w);
     const std::uint64_t differs = (sees ^ sees_.four(w)) | (misses ^ misses_.four(w));
-    changed_.add_four(w, differs & was_known & doubtful_.four(w));
+    const std::uint64_t contradicts = any_in_blocks((predicted_[w] ^ column_[w]) & traced_[w]);
+    const std::uint64_t whole = ~any_in_blocks(active_[w] & ~traced_[w]);
+    changed_.add_four(w, ((differs & whole) | (contradicts & ~whole)) & was_known & doubtful);
   }
 }
 
