@@ -7,6 +7,7 @@
 #include "myrialux/base/clock.h"
 #include "myrialux/base/parallel.h"
 #include "myrialux/matrix/bit_ops.h"
+#include "myrialux/methods/auto_clusters.h"
 #include "myrialux/shading/shade.h"
 #include "myrialux/visibility/column_energies.h"
 #include "myrialux/visibility/heavy_entries.h"
@@ -79,8 +80,9 @@ MethodResult render_slices(const FrameView& frame, const MethodParams& params, c
   stats.time_s["cluster"] += wall.lap();
 
   // Which lights stand for all, slice by slice; methods may look at the whole frame first.
-  const SliceFrame grouped{frame, params, slices, tree};
-  SliceLoop loop(frame, params, method, slices, tree, method.columns ? method.columns(grouped) : by_light_cut(grouped));
+  const MethodParams chosen = with_chosen_clusters(frame, params, slices, tree, progress, stats);
+  const SliceFrame grouped{frame, chosen, slices, tree};
+  SliceLoop loop(frame, chosen, method, slices, tree, method.columns ? method.columns(grouped) : by_light_cut(grouped));
   wall.lap();
   progress.stage("slices", slices.size(), "slices");
   if (method.guard > 0 || method.block_energies) loop.run_pilot(progress);
