@@ -112,6 +112,7 @@ GrowingCut::GrowingCut(const World& world, const Receivers& receivers, std::span
 
 GrowingCut::~GrowingCut() = default;
 GrowingCut::GrowingCut(GrowingCut&&) noexcept = default;
+GrowingCut& GrowingCut::operator=(GrowingCut&&) noexcept = default;
 std::size_t GrowingCut::size() const { return state_->cut.size(); }
 
 /// Each step replaces a node by its two children, so the cut grows by one.

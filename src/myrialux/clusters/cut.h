@@ -36,6 +36,7 @@ class GrowingCut {
              const CutParams& params);
   ~GrowingCut();
   GrowingCut(GrowingCut&&) noexcept;
+  GrowingCut& operator=(GrowingCut&&) noexcept;
 
   /// Refines up to n_clusters, or until nothing is left to refine. Never shrinks.
   void grow(std::uint32_t n_clusters);

@@ -2,22 +2,18 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
+#include <utility>
 
 #include "myrialux/lights/virtual_lights.h"
 
 namespace myrialux {
 
-/// Lights grouped by walk.
-struct Walks {
-  std::vector<std::uint32_t> of;  ///< [lights.size()] number of the light's walk among those that left lights, rising
-  std::uint32_t n_found = 0;      ///< of these
-  double n_made = 0;              ///< all walks; VirtualLights::n_walks, or n_found where that is not known
-};
+/// Lights [first, second) of the walk that left `light`. Lights are ordered by walk and their bounces rise along it, so
+/// a bounce that does not rise begins a new walk. Where lights of bounce 0 are left out, two walks may follow on by
+/// chance and are taken for one; they are independent, so that a variance between walks hardly changes.
+std::pair<std::size_t, std::size_t> walk_of(const VirtualLights& lights, LightId light);
 
-/// Lights are ordered by walk and their bounces rise along it, so a bounce that does not rise begins a new walk. Two
-/// walks whose lights follow on by chance are taken for one, which only lights without bounce 0 can be; being
-/// independent they change a variance between walks by a share of about 1 / n_found.
-Walks find_walks(const VirtualLights& lights);
+/// All walks made, those that left no lights included; where that is not known, those that left some.
+double count_walks(const VirtualLights& lights);
 
 }  // namespace myrialux

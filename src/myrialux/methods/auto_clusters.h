@@ -13,7 +13,7 @@ inline constexpr std::uint32_t kLeastAutoClusters = 64, kMostAutoClusters = 8192
 inline constexpr std::uint64_t kAutoBytesALight = 8, kAutoBytes = 24 << 20;
 
 struct ClusterChoice {
-  std::uint32_t n_clusters = kLeastAutoClusters;
+  std::uint32_t n_clusters = 1000;  ///< where nothing can be told: as by default
   /// Root mean squares over sampled receivers of the error of one pass, over their mean radiance from virtual lights:
   double light_set_error = 0;   ///< because it has these lights and no others
   double cluster_error = 0;     ///< because n_clusters lights stand for all
