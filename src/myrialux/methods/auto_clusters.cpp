@@ -25,7 +25,7 @@ constexpr std::size_t kSliceStride = 8, kFewSlices = 16;
 /// Nodes of a cut that pairs of lights are drawn from, at most; size of the cut that walks are drawn from.
 constexpr double kLeftOut = 0.01;  ///< share of receivers
 constexpr std::size_t kMostPairs = 256;
-constexpr std::uint32_t kWalkCut = 125;
+constexpr std::uint32_t kWalkCut = 250;
 /// Candidates; no smaller than kLeastAutoClusters, no larger than kMostAutoClusters.
 constexpr std::uint32_t kSizes[] = {64, 125, 250, 500, 1000, 2000, 4000, 8000};
 

@@ -22,7 +22,7 @@ struct LightSetEstimates {
   std::uint64_t rays = 0;
 };
 
-/// Draws of one slice. Keeps references to all but the parameters.
+/// Draws of one slice. Keeps references to what they refer to.
 class PassErrors {
  public:
   /// @param rows at most 64 @param clamp_distance as CutParams
@@ -44,7 +44,7 @@ class PassErrors {
  private:
   std::vector<float> join(std::span<const LightId> lights, std::uint64_t& rays) const;
 
-  const FrameView& frame_;
+  FrameView frame_;
   const LightTree& tree_;
   std::vector<ReceiverId> rows_;
   float clamp_distance_;
