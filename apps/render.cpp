@@ -210,8 +210,8 @@ std::vector<std::string> summary(const RenderStats& s, double write_s) {
   const double receivers = static_cast<double>(s.receivers), lights = static_cast<double>(s.virtual_lights);
   std::string times = "time: ";
   double gather_s = 0;  // everything between receivers and film
-  for (const char* stage : {"load", "build", "receivers", "lights", "cluster", "visibility", "complete", "shade",
-                            "direct", "film", "total"}) {
+  for (const char* stage : {"load", "build", "receivers", "lights", "choice", "cluster", "visibility", "complete",
+                            "shade", "direct", "film", "total"}) {
     const auto it = s.time_s.find(stage);
     if (it == s.time_s.end()) continue;
     const bool is_gather = std::string("cluster visibility complete shade").find(stage) != std::string::npos;

@@ -5,8 +5,7 @@
                                                   sets with the same receivers, which has both errors in it
     measure_auto.py PROGRAM brute SCENE.xml...    light-set error as the spread of brute-force pictures, cluster error
                                                   as the distance of slice-lightcuts from them; use a small --size
-    measure_auto.py PROGRAM cost SCENE.xml...     CPU seconds of a frame whose number is chosen over one whose number
-                                                  is given, and work of a pass over the number of clusters
+    measure_auto.py PROGRAM cost SCENE.xml...     what the choice takes of a pass, and a pass besides its clusters
 
 Only light from virtual lights counts (--direct vpl --residual off), without lamps seen directly. Errors are root mean
 squares over the mean, without the worst 1 % of pixels; a pixel holds --spp receivers that share lights and clusters.
@@ -20,19 +19,19 @@ import tempfile
 
 import numpy as np
 
-from measure_methods import cpu_seconds, luminance, render
+from measure_methods import luminance, render
 
 
 def options(args, seed=0):
-    return ["--size", args.size, "--spp", args.spp, "--vpls", args.vpls, "--seed", seed, "--threads", args.threads]
+    return ["--size", args.size, "--spp", args.spp, "--vpls", args.vpls, "--seed", seed]
 
 
 def light_files(args, scene, folder):
     for k in range(args.sets):
         path = folder / f"{k}.ply"
         if not path.exists():
-            subprocess.run([args.program, "lights", str(scene), "-o", str(path), "--vpls", str(args.vpls), "--seed", str(k),
-                            "--progress", "none"], check=True, stdout=subprocess.DEVNULL)
+            subprocess.run([args.program, "lights", str(scene), "-o", str(path), "--vpls", str(args.vpls),
+                            "--seed", str(k), "--progress", "none"], check=True, stdout=subprocess.DEVNULL)
         yield path
 
 
@@ -43,7 +42,8 @@ def trimmed_rms(squares):
 
 def estimates(args, scene, method, folder):
     """Of one frame a light set."""
-    runs = [render(args.program, scene, method, folder, *options(args, k), "--clusters", "auto")[1] for k in range(args.sets)]
+    runs = [render(args.program, scene, method, folder, *options(args, k), "--clusters", "auto")[1]
+            for k in range(args.sets)]
     return [r["clusters_auto"] for r in runs]
 
 
@@ -65,8 +65,8 @@ def scatter(args, scene, folder):
     chosen = estimates(args, scene, args.method, folder)
     light = without_lamps(args, scene, folder)
     n = round(statistics.median(c["chosen"] for c in chosen))
-    pictures = [light(render(args.program, scene, args.method, folder, *options(args), "--clusters", n, "--lights", p)[0])
-                for p in light_files(args, scene, folder)]
+    pictures = [light(render(args.program, scene, args.method, folder, *options(args), "--clusters", n,
+                             "--lights", p)[0]) for p in light_files(args, scene, folder)]
     foreseen = [np.hypot(c["light_set_error"], c["cluster_error"]) for c in chosen]
     print(f"| {scene.parent.name} | {', '.join(str(c['chosen']) for c in chosen)} | "
           f"{words(c['light_set_error'] for c in chosen)} | {words(c['cluster_error'] for c in chosen)} | "
@@ -80,8 +80,8 @@ def brute(args, scene, folder):
     chosen = estimates(args, scene, "slice-lightcuts", folder)
     errors = []
     for c, path, truth in zip(chosen, light_files(args, scene, folder), truths):
-        picture = light(render(args.program, scene, "slice-lightcuts", folder, *options(args), "--clusters", c["chosen"],
-                               "--lights", path)[0])
+        picture = light(render(args.program, scene, "slice-lightcuts", folder, *options(args),
+                               "--clusters", c["chosen"], "--lights", path)[0])
         errors.append(trimmed_rms((picture - truth) ** 2) / truth.mean())
     print(f"| {scene.parent.name} | {', '.join(str(c['chosen']) for c in chosen)} | "
           f"{words(c['light_set_error'] for c in chosen)} | {100 * spread(truths):.1f} | "
@@ -89,27 +89,25 @@ def brute(args, scene, folder):
 
 
 def cost(args, scene, folder):
-    def seconds(n):
-        """Of a whole pass, least of the repeats, without loading and building."""
-        least = []
+    def passes(n):
+        """Stage times of some passes of one thread with residual rays; without loading and building."""
         for _ in range(args.repeats):
-            before = cpu_seconds()
             subprocess.run([args.program, "render", str(scene), "--method", args.method, "-o", str(folder / "a.exr"),
                             "--stats", str(folder / "a.json"), "--progress", "none", "--clusters", str(n),
-                            *map(str, options(args))], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                            *map(str, options(args)), "--threads", "1"], check=True, stdout=subprocess.DEVNULL,
+                           stderr=subprocess.DEVNULL)
             stats = json.loads((folder / "a.json").read_text())
-            least.append(cpu_seconds() - before - stats["time_s"]["load"] - stats["time_s"]["build"])
-        return min(least), stats
-    auto, stats = seconds("auto")
-    n = stats["clusters_auto"]["chosen"]
-    given, few, many = (seconds(c)[0] for c in (n, 250, 1000))
-    print(f"| {scene.parent.name} | {n} | {auto:.2f} | {given:.2f} | {100 * (auto / given - 1):+.1f} | "
+            times = stats["time_s"]
+            yield times["total"] - times["load"] - times["build"], times.get("choice"), stats["clusters_auto"]["chosen"]
+    auto = list(passes("auto"))
+    few, many = (min(seconds for seconds, _, _ in passes(c)) for c in (250, 1000))
+    print(f"| {scene.parent.name} | {auto[0][2]} | {100 * statistics.median(c / s for s, c, _ in auto):.1f} | "
           f"{few * 750 / (many - few) - 250:.0f} |", flush=True)
 
 
 HEADS = {"scatter": ("chosen", "light set %, foreseen", "clusters %, foreseen", "both %, foreseen", "both %, measured"),
          "brute": ("chosen", "light set %, foreseen", "measured", "clusters %, foreseen", "measured"),
-         "cost": ("chosen", "CPU s, chosen", "given", "difference %", "work beside clusters, in clusters")}
+         "cost": ("chosen", "choice, % of the pass", "work beside clusters, in clusters")}
 
 
 def main():
@@ -122,8 +120,7 @@ def main():
     parser.add_argument("--vpls", type=int, default=100000)
     parser.add_argument("--sets", type=int, default=4, help="light sets")
     parser.add_argument("--method", default="lbamc", help="of scatter and cost")
-    parser.add_argument("--threads", type=int, default=0)
-    parser.add_argument("--repeats", type=int, default=3, help="of cost; the least counts")
+    parser.add_argument("--repeats", type=int, default=3, help="of cost")
     args = parser.parse_args()
     print("| scene | " + " | ".join(HEADS[args.measure]) + " |")
     print("|---|" + "---|" * len(HEADS[args.measure]))

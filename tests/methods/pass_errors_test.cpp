@@ -136,5 +136,9 @@ TEST(PassErrors, LightSetVarianceIsThatOverSeedsOnGloss) {
   expect_light_set_variance_over_seeds(test::glossy_floor_box(0.3f), true);
 }
 
+TEST(PassErrors, LightSetVarianceIsThatOverSeedsWhereWalksLeaveManyAlikeLights) {
+  expect_light_set_variance_over_seeds(test::furnace_sphere(0.8f), true);
+}
+
 }  // namespace
 }  // namespace myrialux

@@ -22,10 +22,9 @@ constexpr double kVisibilityError = 0.005;
 constexpr std::size_t kSampledSlices = 48, kSampledRows = 16;
 /// Of small frames one slice of this many is sampled, but kFewSlices at least.
 constexpr std::size_t kSliceStride = 8, kFewSlices = 16;
-/// Nodes of a cut that pairs of lights are drawn from, at most; size of the cut that walks are drawn from.
-constexpr double kLeftOut = 0.01;  ///< share of receivers
-constexpr std::size_t kMostPairs = 256;
-constexpr std::uint32_t kWalkCut = 250;
+constexpr std::size_t kMostPairs = 256;  ///< nodes of a cut that pairs of lights are drawn from
+constexpr std::uint32_t kWalkCut = 250;  ///< size of the cut that walks are drawn from
+constexpr double kLeftOut = 0.01;        ///< share of receivers, those of the largest variance
 /// Candidates; no smaller than kLeastAutoClusters, no larger than kMostAutoClusters.
 constexpr std::uint32_t kSizes[] = {64, 125, 250, 500, 1000, 2000, 4000, 8000};
 
@@ -76,6 +75,7 @@ std::vector<Probe> make_probes(const FrameView& frame, const MethodParams& param
     probe.cut = GrowingCut(frame.world, frame.receivers, rows, tree, params.cut);
   });
   std::vector<Probe> probes;
+  probes.reserve(made.size());
   for (std::optional<Probe>& probe : made) probes.push_back(std::move(*probe));
   return probes;
 }
@@ -121,7 +121,7 @@ Moments moments(const std::vector<Probe>& probes) {
 }  // namespace
 
 double pass_work(double n_clusters, double lights_per_receiver) {
-  constexpr double kReceiver = 400, kLight = 300;
+  constexpr double kReceiver = 400, kLight = 300;  // of tools/measure_auto.py's cost, rounded; all methods alike
   return kReceiver + kLight * lights_per_receiver + n_clusters;
 }
 
@@ -160,14 +160,13 @@ MethodParams with_chosen_clusters(const FrameView& frame, const MethodParams& pa
   progress.stage("choice of clusters", 0, "");
   const ClusterChoice c = choose_clusters(frame, params, slices, tree);
   progress.note(fmt::format(
-      "{} clusters a slice: a pass errs by {:.1f} % through the choice of its {} lights, {:.1f} % through clusters, "
-      "and "
-      "may by {:.1f} % through visibility",
+      "{} clusters a slice: a pass errs by {:.1f} % because it has these {} lights and no others, by {:.1f} % because "
+      "clusters stand for them; completion of visibility may add {:.1f} %",
       c.n_clusters, 100 * c.light_set_error, frame.lights.size(), 100 * c.cluster_error, 100 * c.visibility_error));
   chosen.cut.n_clusters = c.n_clusters;
   stats.clusters_auto = {c.n_clusters, c.light_set_error, c.cluster_error, c.visibility_error};
   stats.rays.shadow += c.rays;
-  stats.time_s["cluster"] += wall.elapsed();
+  stats.time_s["choice"] += wall.elapsed();
   return chosen;
 }
 

@@ -7,14 +7,15 @@
 
 namespace myrialux {
 
-inline constexpr std::uint32_t kLeastAutoClusters = 64, kMostAutoClusters = 8192;
+inline constexpr std::uint32_t kLeastAutoClusters = 64, kMostAutoClusters = 8000;
 
-/// Memory of the choice: of each light, and besides.
-inline constexpr std::uint64_t kAutoBytesALight = 8, kAutoBytes = 24 << 20;
+/// Memory of the choice at most: the largest cuts of all sampled slices, and what is traced at a time.
+inline constexpr std::uint64_t kAutoBytes = 12 << 20;
 
 struct ClusterChoice {
   std::uint32_t n_clusters = 1000;  ///< where nothing can be told: as by default
-  /// Root mean squares over sampled receivers of the error of one pass, over their mean radiance from virtual lights:
+  /// Root mean squares over sampled receivers (without the worst 1 %) of the error of one pass, over their mean
+  /// radiance from virtual lights:
   double light_set_error = 0;   ///< because it has these lights and no others
   double cluster_error = 0;     ///< because n_clusters lights stand for all
   double visibility_error = 0;  ///< allowed to completion
@@ -24,8 +25,8 @@ struct ClusterChoice {
 /// Work of a pass in units of one cluster of one receiver; the constants are measured (docs/clusters_auto.md).
 double pass_work(double n_clusters, double lights_per_receiver);
 
-/// Joins 16 receivers of up to 64 slices with some 2000 lights each, and grows the cuts of these slices until a larger
-/// one can no longer win. Same choice for any number of threads.
+/// Joins 16 receivers of up to 48 slices with some thousand lights each, and grows the cuts of these slices until a
+/// larger one can no longer win. Sizes are 64, 125, 250, ... 8000. Same choice for any number of threads.
 ClusterChoice choose_clusters(const FrameView& frame, const MethodParams& params, const Slices& slices,
                               const LightTree& tree);
 

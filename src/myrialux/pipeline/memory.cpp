@@ -114,7 +114,7 @@ Parts pass_parts(const FrameExtent& f) {
     gathering.slices = samples * kOrder + Bytes(f.n_threads) * slice_bytes(f) + pilot_bytes(f) + reduced_bytes(f);
     gathering.lights += tree;
     // The choice is over before slices are in flight; their memory is counted besides, as it may not have been freed.
-    if (f.has_auto_clusters) gathering.slices += kAutoBytes + f.n_lights * kAutoBytesALight;
+    if (f.has_auto_clusters) gathering.slices += kAutoBytes;
   }
   if (f.has_pixel_cuts) {
     building.lights += tree + f.n_lights * kTreePoint, gathering.lights += tree;

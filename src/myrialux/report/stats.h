@@ -38,8 +38,7 @@ struct RenderStats {
     std::uint64_t trees = 0;      ///< hierarchies of lights and of all receivers; 0: not measured
     std::uint64_t predicted = 0;  ///< what the process was to take at most; 0: not predicted
   } memory;
-  /// Of --clusters auto, from the first pass: errors of one pass, root mean squares over the mean radiance from virtual
-  /// lights
+  /// Of --clusters auto, from the first pass: errors of one pass, see ClusterChoice
   struct ClustersAuto {
     std::uint64_t chosen = 0;  ///< 0: the number was given
     double light_set_error = 0, cluster_error = 0, visibility_error = 0;
