@@ -21,7 +21,7 @@ struct RenderOptions {
   SceneOptions scene;
   std::vector<std::string> outputs;
   std::string method = RenderParams{}.method, size, filter, aov, stats, direct = "vpl", residual = "on";
-  std::string memory_limit;
+  std::string memory_limit, clusters;
   double exposure = 0;
   RenderParams params;
 };
@@ -99,11 +99,15 @@ void add_arguments(CLI::App& c, RenderOptions& o) {
   c.add_option("--vpls", p.n_lights, fmt::format("Virtual lights a pass; default {}", p.n_lights))
       ->check(whole_number(1, std::int64_t{1} << 31))
       ->option_text("N");
-  c.add_option("--clusters", p.n_clusters,
-               fmt::format("Light clusters a slice; default {}\n(mdlc: pairs of clusters a pixel; {})",
-                           MethodInfo{}.n_clusters, find_method("mdlc").n_clusters))
-      ->check(whole_number(1, 1 << 24))
-      ->option_text("N");
+  c.add_option(
+       "--clusters", o.clusters,
+       fmt::format("Light clusters a slice; default {}\n(mdlc: pairs of clusters a pixel; {}).\nauto: as many as "
+                   "pay off: the first pass\nestimates how much it errs because it has these\nlights and no "
+                   "others and because clusters stand\nfor them, and takes the number from which many\npasses "
+                   "gain most in their time",
+                   MethodInfo{}.n_clusters, find_method("mdlc").n_clusters))
+      ->check(whole_number_or("auto", 1, 1 << 24))
+      ->option_text("N|auto");
   c.add_option("--passes", p.passes, "Passes to average, each with its own samples\nand lights; default 1")
       ->check(whole_number(1, (1 << 24) - 1))
       ->option_text("N");
@@ -161,6 +165,8 @@ void add_arguments(CLI::App& c, RenderOptions& o) {
 RenderParams to_params(const RenderOptions& o, const Definitions& definitions) {
   RenderParams p = o.params;
   p.method = o.method;
+  p.auto_clusters = o.clusters == "auto";
+  if (!o.clusters.empty() && !p.auto_clusters) p.n_clusters = static_cast<std::uint32_t>(std::stoul(o.clusters));
   if (!o.size.empty()) {
     const Size size = parse_size("--size", o.size);
     p.width = size.width, p.height = size.height;
@@ -204,8 +210,8 @@ std::vector<std::string> summary(const RenderStats& s, double write_s) {
   const double receivers = static_cast<double>(s.receivers), lights = static_cast<double>(s.virtual_lights);
   std::string times = "time: ";
   double gather_s = 0;  // everything between receivers and film
-  for (const char* stage : {"load", "build", "receivers", "lights", "cluster", "visibility", "complete", "shade",
-                            "direct", "film", "total"}) {
+  for (const char* stage : {"load", "build", "receivers", "lights", "choice", "cluster", "visibility", "complete",
+                            "shade", "direct", "film", "total"}) {
     const auto it = s.time_s.find(stage);
     if (it == s.time_s.end()) continue;
     const bool is_gather = std::string("cluster visibility complete shade").find(stage) != std::string::npos;

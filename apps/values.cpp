@@ -47,6 +47,15 @@ CLI::Validator whole_number(std::int64_t low, std::int64_t high) {
           ""};
 }
 
+CLI::Validator whole_number_or(const std::string& word, std::int64_t low, std::int64_t high) {
+  return {[=](const std::string& text) {
+            const auto value = parse_whole<std::int64_t>(text);
+            if (text == word || (value && *value >= low && *value <= high)) return std::string();
+            return fmt::format("allowed is {} or a whole number from {} to {}, got {}", word, low, high, text);
+          },
+          ""};
+}
+
 CLI::Validator number(double low, double high, const std::string& unit) {
   return {[=](const std::string& text) {
             const auto value = parse_whole<double>(text);

@@ -13,6 +13,7 @@ namespace myrialux::app {
 
 /// Checks for CLI11 that say what is allowed and what came.
 CLI::Validator whole_number(std::int64_t low, std::int64_t high);
+CLI::Validator whole_number_or(const std::string& word, std::int64_t low, std::int64_t high);
 CLI::Validator number(double low, double high, const std::string& unit = "");
 CLI::Validator one_of(std::vector<std::string> names);
 

@@ -83,6 +83,31 @@ TEST_F(Program, CheckListsAllMistakesWithTheirPlaces) {
   EXPECT_THAT(folder.names(), UnorderedElementsAre("room.xml", "broken.xml")) << "no picture of a broken scene";
 }
 
+TEST_F(Program, ClustersAreChosenOnceAndToldEverywhere) {
+  const std::string a = folder.file("a.exr"), b = folder.file("b.exr"), stats = folder.file("a.json");
+  const Outcome o = run_program({"render", room, "-o", a, "--stats", stats, "--method", "lbamc", "--clusters", "auto",
+                                 "--vpls", "3000", "--passes", "2", "--progress", "plain"});
+  ASSERT_EQ(o.exit_code, 0) << o.err;
+  EXPECT_EQ(count(o.err, "clusters a slice: a pass errs by"), 1u) << "the first pass chooses for all";
+  const json chosen = json::parse(folder.read("a.json"))["clusters_auto"];
+  EXPECT_GE(chosen["chosen"], 64);
+  EXPECT_GT(chosen["light_set_error"], 0);
+  EXPECT_GT(chosen["cluster_error"], 0);
+  EXPECT_GT(chosen["visibility_error"], 0);
+  EXPECT_THAT(o.err, HasSubstr(chosen["chosen"].dump() + " clusters a slice"));
+  Metadata header;
+  const Picture picture = read_picture(a, &header);
+  EXPECT_EQ(header["myrialux.clusters"], "auto");
+  EXPECT_EQ(header["myrialux.clusters_chosen"], chosen["chosen"].dump());
+
+  // The number that the header tells gives the same picture.
+  ASSERT_EQ(run_program({"render", room, "-o", b, "--method", "lbamc", "--clusters", header["myrialux.clusters_chosen"],
+                         "--vpls", "3000", "--passes", "2", "--progress", "none"})
+                .exit_code,
+            0);
+  EXPECT_EQ(picture.find("")->pixels, read_picture(b).find("")->pixels);
+}
+
 TEST_F(Program, RenderWritesPicturesAndStatsAndNamesThemLast) {
   const std::string exr = folder.file("a.exr"), png = folder.file("a.png"), stats = folder.file("a.json");
   const Outcome o = render({"-o", exr, "-o", png, "--stats", stats, "--size", "20x10", "--seed", "5"});

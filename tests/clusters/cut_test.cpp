@@ -71,6 +71,21 @@ TEST(LightCut, HasExactlyTheSizeAskedForAndHoldsEveryLightOnce) {
   }
 }
 
+TEST(LightCut, GrowsStepByStepIntoTheSameCut) {
+  const Room room({.n_receivers = 100, .n_lights = 997, .kinds = kAllKinds, .glossy = true});
+  const LightTree tree = build(room);
+  GrowingCut growing(room.world(), room.receivers, all_rows(room), tree,
+                     {.n_clusters = 1, .n_points = 16, .clamp_distance = kClamp});
+  for (const std::uint32_t n : {4u, 5u, 64u, 500u, 5000u}) {
+    growing.grow(n);
+    std::vector<std::uint32_t> nodes = growing.nodes(), expected;
+    for (const Column& c : cut(room, tree, n)) expected.push_back(c.node);
+    std::sort(nodes.begin(), nodes.end()), std::sort(expected.begin(), expected.end());
+    EXPECT_EQ(nodes, expected);
+    EXPECT_EQ(growing.size(), nodes.size());
+  }
+}
+
 TEST(LightCut, OfAllLightsIsExact) {
   const Room room({.n_receivers = 50, .n_lights = 300, .kinds = kAllKinds, .glossy = true, .glass = true});
   const std::vector<Column> columns = cut(room, build(room), 300);

@@ -29,6 +29,12 @@ TEST(Methods, RefuseWhatTheyCannotDoAndNameThoseThatCan) {
   EXPECT_EQ(refusal(find_method("path"), test::cornell_box(), {}), "");
 }
 
+TEST(Methods, ChooseClustersWhereSlicesHaveLightCuts) {
+  EXPECT_EQ(refusal(find_method("mdlc"), test::cornell_box(), {.auto_clusters = true}),
+            "method 'mdlc' cannot choose the clusters of slices (--clusters auto); methods that can: lbamc, bamc, amc, "
+            "gauss-jordan, matrix-separation, slice-lightcuts");
+}
+
 TEST(Methods, AllTakeScenesOfToday) {
   for (const MethodInfo& m : all_methods())
     for (const Scene& scene : {test::cornell_box(), test::glass_pane_box(), test::plastic_floor_box()})

@@ -35,10 +35,10 @@ RenderStats some_stats() {
 
 TEST(Stats, HasTheKeysOfTheContractInOrder) {
   const ordered_json j = ordered_json::parse(to_json(some_stats()));
-  EXPECT_THAT(keys(j),
-              ElementsAre("version", "scene", "method", "parameters", "seed", "threads", "isa", "device", "receivers",
-                          "virtual_lights", "slices", "clusters_mean", "passes", "visibility", "refinement", "rays",
-                          "time_s", "memory_bytes", "error", "clamped_energy_fraction", "warnings"));
+  EXPECT_THAT(keys(j), ElementsAre("version", "scene", "method", "parameters", "seed", "threads", "isa", "device",
+                                   "receivers", "virtual_lights", "slices", "clusters_mean", "clusters_auto", "passes",
+                                   "visibility", "refinement", "rays", "time_s", "memory_bytes", "error",
+                                   "clamped_energy_fraction", "warnings"));
   EXPECT_THAT(keys(j["visibility"]),
               ElementsAre("entries", "traced", "fraction", "false_visible_estimate", "false_occluded_estimate",
                           "fully_sampled_columns", "verified_columns"));
@@ -46,6 +46,7 @@ TEST(Stats, HasTheKeysOfTheContractInOrder) {
   EXPECT_THAT(keys(j["time_s"]), ElementsAre("load", "build", "receivers", "lights", "cluster", "visibility",
                                              "complete", "shade", "film", "total", "direct"));
   EXPECT_THAT(keys(j["memory_bytes"]), ElementsAre("peak_rss", "predicted", "scene", "slices_peak", "trees"));
+  EXPECT_THAT(keys(j["clusters_auto"]), ElementsAre("chosen", "light_set_error", "cluster_error", "visibility_error"));
   EXPECT_THAT(keys(j["error"]), ElementsAre("estimate", "confidence"));
 }
 
@@ -73,9 +74,10 @@ TEST(Stats, WhatWasNotMeasuredIsNull) {
   RenderStats s;
   s.clamped_energy_fraction = std::numeric_limits<double>::quiet_NaN();
   const ordered_json j = ordered_json::parse(to_json(s));
-  for (const char* pointer : {"/visibility/fraction", "/visibility/false_visible_estimate",
-                              "/visibility/false_occluded_estimate", "/clusters_mean", "/isa", "/time_s/load",
-                              "/time_s/total", "/error/estimate", "/error/confidence", "/clamped_energy_fraction"})
+  for (const char* pointer :
+       {"/visibility/fraction", "/visibility/false_visible_estimate", "/visibility/false_occluded_estimate",
+        "/clusters_mean", "/isa", "/clusters_auto/chosen", "/clusters_auto/cluster_error", "/time_s/load",
+        "/time_s/total", "/error/estimate", "/error/confidence", "/clamped_energy_fraction"})
     EXPECT_TRUE(j.at(ordered_json::json_pointer(pointer)).is_null()) << pointer;
   EXPECT_TRUE(j["parameters"].is_object());
   EXPECT_TRUE(j["warnings"].is_array());

@@ -29,10 +29,8 @@ class NodeHeap {
     return ~static_cast<std::uint32_t>(top);
   }
   std::size_t size() const { return keys_.size(); }
-  /// f(node) for each, in no order worth naming.
-  template <class F>
-  void for_each(const F& f) const {
-    for (const Key key : keys_) f(~static_cast<std::uint32_t>(key));
+  void append_nodes(std::vector<std::uint32_t>& nodes) const {
+    for (const Key key : keys_) nodes.push_back(~static_cast<std::uint32_t>(key));
   }
 
  private:
@@ -94,20 +92,42 @@ std::vector<Column> sorted_columns(const VirtualLights& lights, const LightTree&
 
 std::vector<Column> light_cut(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
                               const VirtualLights& lights, const LightTree& tree, const CutParams& params) {
-  const CutPoints points =
-      make_cut_points(world, receivers, evenly_spaced(rows, params.n_points), params.clamp_distance);
+  GrowingCut cut(world, receivers, rows, tree, params);
+  cut.grow(params.n_clusters);
+  return sorted_columns(lights, tree, slice_centre(receivers, rows), cut.nodes());
+}
 
-  // Each step replaces a node by its two children, so the cut grows by one.
+struct GrowingCut::State {
+  const LightTree& tree;
+  CutPoints points;
   Cut cut;
-  add_nodes(tree, points, tree.roots, cut);
-  while (cut.size() < params.n_clusters && cut.heap.size() > 0) {
-    const LightNode& node = tree.inner[cut.heap.pop()];
-    add_nodes(tree, points, std::array{node.left, node.right}, cut);
-  }
+};
 
-  std::vector<std::uint32_t> nodes = std::move(cut.leaves);
-  cut.heap.for_each([&](std::uint32_t node) { nodes.push_back(node); });
-  return sorted_columns(lights, tree, slice_centre(receivers, rows), nodes);
+GrowingCut::GrowingCut(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
+                       const LightTree& tree, const CutParams& params)
+    : state_(new State{
+          tree, make_cut_points(world, receivers, evenly_spaced(rows, params.n_points), params.clamp_distance), {}}) {
+  add_nodes(tree, state_->points, tree.roots, state_->cut);
+}
+
+GrowingCut::~GrowingCut() = default;
+GrowingCut::GrowingCut(GrowingCut&&) noexcept = default;
+GrowingCut& GrowingCut::operator=(GrowingCut&&) noexcept = default;
+std::size_t GrowingCut::size() const { return state_->cut.size(); }
+
+/// Each step replaces a node by its two children, so the cut grows by one.
+void GrowingCut::grow(std::uint32_t n_clusters) {
+  Cut& cut = state_->cut;
+  while (cut.size() < n_clusters && cut.heap.size() > 0) {
+    const LightNode& node = state_->tree.inner[cut.heap.pop()];
+    add_nodes(state_->tree, state_->points, std::array{node.left, node.right}, cut);
+  }
+}
+
+std::vector<std::uint32_t> GrowingCut::nodes() const {
+  std::vector<std::uint32_t> nodes = state_->cut.leaves;
+  state_->cut.heap.append_nodes(nodes);
+  return nodes;
 }
 
 std::uint32_t octant(Vec3 slice_centre, const VirtualLights& lights, LightId light) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -25,6 +26,27 @@ struct Column {
   std::uint32_t node = 0;   ///< of the tree
   std::uint32_t count = 1;  ///< lights in the cluster
   std::uint8_t octant = 0;  ///< see octant(), with slice_centre()
+};
+
+/// A slice's cut while it grows, for those who look at several sizes: a cut of n is one of n - 1 refined once. Keeps
+/// references to the tree.
+class GrowingCut {
+ public:
+  GrowingCut(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows, const LightTree& tree,
+             const CutParams& params);
+  ~GrowingCut();
+  GrowingCut(GrowingCut&&) noexcept;
+  GrowingCut& operator=(GrowingCut&&) noexcept;
+
+  /// Refines up to n_clusters, or until nothing is left to refine. Never shrinks.
+  void grow(std::uint32_t n_clusters);
+  std::size_t size() const;
+  /// The cut's nodes: disjoint, all lights below them, in no particular order.
+  std::vector<std::uint32_t> nodes() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 /// Columns are ordered by (kind, octant of the direction to the slice's centre, depth-first position in the tree).

@@ -42,7 +42,7 @@ LightResult trace_lights(const World& world, const LightParams& params, Progress
   if (params.n_lights > 0x7fffffffu)
     throw Error(ErrorKind::limit, "at most 2^31 - 1 virtual lights in one pass; render more passes");
   const LightForecast forecast = forecast_lights(world, params);
-  result.n_walks = forecast.n_walks;
+  result.n_walks = result.lights.n_walks = forecast.n_walks;
   progress.stage("lights", result.n_walks, "walks");
   VirtualLights& lights = result.lights;
   const auto n = static_cast<std::size_t>(forecast.n_lights);

@@ -43,6 +43,7 @@ struct VirtualLights {
     float cos_cutoff, cos_beam;
   };
   std::vector<Spot> spots;
+  std::uint64_t n_walks = 0;  ///< that left these lights, those that left none included; 0: not known
   std::size_t size() const { return p.size(); }
   std::uint64_t memory_bytes() const;
   /// Scalar size of light j's output, for choosing representatives and ordering: luminance of the peak intensity

@@ -5,8 +5,13 @@
 namespace myrialux {
 namespace {
 
-std::string path_cannot(const Scene&, const MethodRequest& request) {
-  return request.lights_from_file ? "use virtual lights (--lights)" : "";
+/// Of methods that have no cut a slice.
+std::string cannot_choose(const Scene&, const MethodRequest& request) {
+  return request.auto_clusters ? "choose the clusters of slices (--clusters auto)" : "";
+}
+
+std::string path_cannot(const Scene& scene, const MethodRequest& request) {
+  return request.lights_from_file ? "use virtual lights (--lights)" : cannot_choose(scene, request);
 }
 
 std::string names_of(const std::vector<MethodInfo>& methods, const std::function<bool(const MethodInfo&)>& wanted) {
@@ -33,29 +38,18 @@ const std::vector<MethodInfo>& all_methods() {
       {"slice-lightcuts", "the same slices and cuts, every shadow ray traced",
        "Wang and Holzschuch 2020, section 5.3.4", render_slice_lightcuts},
       {"lightcuts", "a cut of the light tree for every receiver, refined to a share of its total", "Walter et al. 2005",
-       render_lightcuts, "lightcuts.error"},
+       render_lightcuts, "lightcuts.error", cannot_choose},
       {"lightslice", "slices, columns clustered by a reduced matrix of one traced row a slice, every shadow ray traced",
-       "Ou and Pellacini 2011", render_lightslice},
-      {"mdlc",
-       "one cut a pixel through the product of its receivers and the lights, 2 % threshold",
-       "Walter et al. 2006",
-       render_mdlc,
-       "mdlc.error",
-       {},
-       10000,
-       prepare_mdlc},
+       "Ou and Pellacini 2011", render_lightslice, "clusters", cannot_choose},
+      {"mdlc", "one cut a pixel through the product of its receivers and the lights, 2 % threshold",
+       "Walter et al. 2006", render_mdlc, "mdlc.error", cannot_choose, 10000, prepare_mdlc},
       {"illumination-cut", "pairs of point and light clusters within an error bound, one light a pair",
-       "Bus, Mustafa and Biri 2015", render_illumination_cut, "illumination-cut.error"},
+       "Bus, Mustafa and Biri 2015", render_illumination_cut, "illumination-cut.error", cannot_choose},
       {"illumination-cut-sampling", "the same, with the visibility of a pair sampled adaptively",
-       "Bus, Mustafa and Biri 2015, algorithm 2", render_illumination_cut_sampling, "illumination-cut-sampling.error"},
-      {"brute-force",
-       "every receiver, every virtual light, every ray",
-       "-",
-       render_brute_force,
-       "",
-       {},
-       1000,
-       prepare_brute_force},
+       "Bus, Mustafa and Biri 2015, algorithm 2", render_illumination_cut_sampling, "illumination-cut-sampling.error",
+       cannot_choose},
+      {"brute-force", "every receiver, every virtual light, every ray", "-", render_brute_force, "", cannot_choose,
+       1000, prepare_brute_force},
       {"path", "path tracer with next-event estimation and multiple importance sampling", "-", {}, "", path_cannot},
   };
   return methods;

@@ -52,7 +52,8 @@ struct IlluminationCutParams {
 struct MethodParams {
   SliceParams slices;
   LightTreeParams tree;
-  CutParams cut;  ///< its clamp_distance is the clamp of bounds and shading alike
+  CutParams cut;               ///< its clamp_distance is the clamp of bounds and shading alike
+  bool auto_clusters = false;  ///< CutParams::n_clusters is chosen, see methods/auto_clusters.h
   LocalizedParams lbamc;
   /// Root mean square over pixels that lbamc's copies may add, over the mean radiance; 0: all entries are traced.
   float visibility_error = 0.005f;
@@ -101,6 +102,7 @@ using Preparation = std::function<Method(const World&, const VirtualLights&, flo
 /// What a render asks of its method besides the scene.
 struct MethodRequest {
   bool lights_from_file = false;  ///< RenderParams::lights_file
+  bool auto_clusters = false;     ///< RenderParams::auto_clusters
 };
 
 struct MethodInfo {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "myrialux/base/clock.h"
+#include "myrialux/methods/auto_clusters.h"
 #include "myrialux/methods/slice_loop.h"
 
 namespace myrialux {
@@ -38,8 +39,9 @@ MethodResult render_slices(const FrameView& frame, const MethodParams& params, c
   stats.time_s["cluster"] += wall.lap();
 
   // Which lights stand for all, slice by slice; methods may look at the whole frame first.
-  const SliceFrame grouped{frame, params, slices, tree};
-  SliceLoop loop(frame, params, method, slices, tree, method.columns ? method.columns(grouped) : by_light_cut(grouped));
+  const MethodParams chosen = with_chosen_clusters(frame, params, slices, tree, progress, stats);
+  const SliceFrame grouped{frame, chosen, slices, tree};
+  SliceLoop loop(frame, chosen, method, slices, tree, method.columns ? method.columns(grouped) : by_light_cut(grouped));
   wall.lap();
   progress.stage("slices", slices.size(), "slices");
   if (method.guard > 0 || method.complete_within) loop.run_pilot(progress);

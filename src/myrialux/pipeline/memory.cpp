@@ -12,6 +12,7 @@
 #include "myrialux/clusters/point_tree.h"
 #include "myrialux/clusters/receiver_cut.h"
 #include "myrialux/film/film.h"
+#include "myrialux/methods/auto_clusters.h"
 #include "myrialux/methods/slice_driver.h"
 #include "myrialux/pipeline/clamp.h"
 #include "myrialux/pipeline/frame_state.h"
@@ -113,6 +114,8 @@ Parts pass_parts(const FrameExtent& f) {
     building.slices = samples * kOrder, building.lights += tree + f.n_lights * kTreePoint;
     gathering.slices = samples * kOrder + Bytes(f.n_threads) * slice_bytes(f) + pilot_bytes(f) + reduced_bytes(f);
     gathering.lights += tree;
+    // The choice is over before slices are in flight; their memory is counted besides, as it may not have been freed.
+    if (f.has_auto_clusters) gathering.slices += kAutoBytes;
   }
   if (f.has_pixel_cuts) {
     building.lights += tree + f.n_lights * kTreePoint, gathering.lights += tree;
@@ -169,6 +172,7 @@ std::vector<std::string> smaller_settings(const FrameExtent& f, Bytes room) {
   if (f.has_lights && fits(g))
     options.push_back(fmt::format("--spp {} --passes {}", g.spp, (f.passes * f.spp + g.spp - 1) / g.spp));
   g = f;
+  g.has_auto_clusters = false;
   while (g.n_clusters > 100 && !fits(g)) g.n_clusters /= 2;
   if (f.has_cuts && !f.has_point_tree && fits(g)) options.push_back(fmt::format("--clusters {}", g.n_clusters));
   g = f;

@@ -21,6 +21,7 @@ struct FrameExtent {
   std::uint64_t n_lights = 0, n_glossy = 0;  ///< virtual lights of a pass, and how many of them are glossy
   std::uint64_t lights_file_bytes = 0;       ///< 0: they are traced
   std::uint32_t n_clusters = 0, slice_rows = 0;
+  bool has_auto_clusters = false;                          ///< n_clusters is the most that may be chosen
   std::uint32_t reduced_rows = 0, reduced_dimensions = 0;  ///< of the reduced matrix (lightslice); 0: none
   std::size_t n_channels = 0;                              ///< of the picture
   int n_threads = 1;

@@ -11,6 +11,7 @@
 #include "myrialux/base/parallel.h"
 #include "myrialux/base/process.h"
 #include "myrialux/kernels/isa.h"
+#include "myrialux/methods/auto_clusters.h"
 #include "myrialux/methods/slice_driver.h"
 #include "myrialux/pipeline/clamp.h"
 #include "myrialux/pipeline/frame_state.h"
@@ -73,7 +74,7 @@ RenderOutput render(const Scene& scene, const RenderParams& params, Progress& pr
   const MethodInfo& method = find_method(params.method);
   const Settings settings = settle(scene, params);
   require_renderable(scene);
-  require_able(method, scene, {.lights_from_file = !params.lights_file.empty()});
+  require_able(method, scene, {.lights_from_file = !params.lights_file.empty(), .auto_clusters = params.auto_clusters});
   const int n_threads = params.threads > 0 ? params.threads : available_threads();
   const ThreadScope threads(n_threads);
 
@@ -132,6 +133,7 @@ Settings settle(const Scene& scene, const RenderParams& params) {
   s.filter = params.has_filter ? params.filter : scene.film.filter;
   if (s.render.n_clusters == 0) s.render.n_clusters = find_method(params.method).n_clusters;
   s.tuned.method.cut.n_clusters = s.render.n_clusters;
+  s.tuned.method.auto_clusters = params.auto_clusters;
   apply_extra(params.extra, s.tuned);
   s.scene_radius = 0.5f * scene.bounds().diagonal();
   return s;
@@ -150,7 +152,7 @@ MemoryGuard::MemoryGuard(const World& world, const Settings& settings) : limit_(
   FrameExtent& e = extent_;
   e.has_lights = p.method != "path", e.has_pixel_cuts = p.method == "mdlc";
   e.has_slices = e.has_lights && !e.has_pixel_cuts, e.has_cuts = e.has_lights && p.method != "brute-force";
-  e.has_packets = p.method == "lightcuts";
+  e.has_packets = p.method == "lightcuts", e.has_auto_clusters = p.auto_clusters;
   const MethodParams& m = settings.tuned.method;
   e.has_pilot = p.method == "lbamc" || (p.method == "bamc" && m.bamc_guard > 0) ||
                 (p.method == "amc" && m.amc_guard > 0) || (p.method == "gauss-jordan" && m.gauss_jordan_guard > 0) ||
@@ -161,7 +163,8 @@ MemoryGuard::MemoryGuard(const World& world, const Settings& settings) : limit_(
   e.has_point_tree = p.method.starts_with("illumination-cut");
   e.width = p.width, e.height = p.height, e.passes = p.passes, e.n_threads = allowed_threads();
   e.spp = e.has_lights ? p.spp : std::min(p.spp * p.passes, kPathSamplesAtOnce);
-  e.n_clusters = e.has_cuts ? p.n_clusters : kBruteForceColumns, e.slice_rows = settings.tuned.method.slices.max_rows;
+  e.n_clusters = e.has_auto_clusters ? kMostAutoClusters : e.has_cuts ? p.n_clusters : kBruteForceColumns;
+  e.slice_rows = settings.tuned.method.slices.max_rows;
   if (p.method == "lightslice") {
     const LightSliceParams& own = settings.tuned.method.lightslice;
     e.slice_rows = lightslice_rows(std::uint64_t(p.width) * std::uint64_t(p.height) * std::uint64_t(p.spp),
@@ -216,8 +219,14 @@ ReceiverParams receiver_params(const RenderParams& params, int pass) {
   return {.width = params.width, .height = params.height, .spp = params.spp, .key = key_of_pass(params, pass)};
 }
 
-MethodParams params_of_pass(const Settings& settings, int pass, float clamp_distance) {
+/// The number of clusters that the first pass chose holds for the others, too: it depends on what the scene makes of
+/// walks and receivers, not on which they are.
+MethodParams params_of_pass(const Settings& settings, int pass, float clamp_distance, const RenderStats& stats) {
   MethodParams params = settings.tuned.method;
+  if (stats.clusters_auto.chosen > 0) {
+    params.cut.n_clusters = static_cast<std::uint32_t>(stats.clusters_auto.chosen);
+    params.auto_clusters = false;
+  }
   params.key = params.tree.key = key_of_pass(settings.render, pass);
   params.cut.clamp_distance = clamp_distance;
   return params;
@@ -263,7 +272,7 @@ void render_pass(const World& world, const Settings& settings, int pass, MemoryG
   stats.time_s["lights"] += wall.lap();
   const float clamp = clamp_length(params.clamp, params.clamp_distance, size_points(rows.receivers, params.spp));
 
-  const MethodParams method_params = params_of_pass(settings, pass, clamp);
+  const MethodParams method_params = params_of_pass(settings, pass, clamp, stats);
   add_to_frame(world, settings, find_method(params.method).render, method_params, lights, rows, frame, progress, stats);
   ++stats.passes;
   if (pass == 0) warn_inside_walls(rows.inside_walls, n_samples(params), stats);
@@ -286,7 +295,7 @@ void render_pass_in_bands(const World& world, const Settings& settings, int pass
     stats.time_s["receivers"] += wall.lap();
   }
 
-  const MethodParams method_params = params_of_pass(settings, pass, clamp);
+  const MethodParams method_params = params_of_pass(settings, pass, clamp, stats);
   const Method method =
       find_method(params.method).prepare(world, lights, settings.scene_radius, method_params, progress, stats);
   progress.stage("bands of rows", n_samples(params) / static_cast<std::uint64_t>(params.spp), "pixels");
@@ -406,7 +415,8 @@ Metadata describe(const Scene& scene, const Settings& settings, const RenderStat
   }
   if (p.method != "path") {
     m["myrialux.vpls"] = std::to_string(p.n_lights);
-    m["myrialux.clusters"] = std::to_string(p.n_clusters);
+    m["myrialux.clusters"] = p.auto_clusters ? "auto" : std::to_string(p.n_clusters);
+    if (p.auto_clusters) m["myrialux.clusters_chosen"] = std::to_string(stats.clusters_auto.chosen);
     m["myrialux.direct"] = p.direct == RenderParams::Direct::vpl ? "vpl" : "sampled";
     if (p.clamp_distance >= 0)
       m["myrialux.clamp_distance"] = fmt::format("{}", p.clamp_distance);

@@ -15,6 +15,7 @@ struct RenderParams {
   int spp = 0;                ///< 0: 4 (many-light methods) or the scene's (path)
   std::uint64_t n_lights = 100000;
   std::uint32_t n_clusters = 0;  ///< 0: MethodInfo::n_clusters
+  bool auto_clusters = false;    ///< chosen in the first pass instead, see methods/auto_clusters.h
   int max_depth = 0;             ///< 0: as the scene says; -1: no limit
   enum class Direct { vpl, sampled } direct = Direct::vpl;
   float clamp = 0.02f;        ///< fraction of the robust scene radius; 0 = off

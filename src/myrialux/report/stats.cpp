@@ -85,6 +85,7 @@ MeterErrors meter_errors(const RenderStats::Visibility::Meter& m) {
 std::string to_json(const RenderStats& s) {
   Json parameters = Json::object();
   for (const auto& [key, value] : s.parameters) parameters[key] = value;
+  const RenderStats::ClustersAuto& c = s.clusters_auto;
   const Json json = {
       {"version", MYRIALUX_VERSION},
       {"scene", s.scene},
@@ -98,6 +99,11 @@ std::string to_json(const RenderStats& s) {
       {"virtual_lights", s.virtual_lights},
       {"slices", s.slices},
       {"clusters_mean", s.slices > 0 || s.clusters_mean > 0 ? measured(s.clusters_mean) : Json(nullptr)},
+      {"clusters_auto",
+       {{"chosen", c.chosen > 0 ? Json(c.chosen) : Json(nullptr)},
+        {"light_set_error", c.chosen > 0 ? measured(c.light_set_error) : Json(nullptr)},
+        {"cluster_error", c.chosen > 0 ? measured(c.cluster_error) : Json(nullptr)},
+        {"visibility_error", c.chosen > 0 ? measured(c.visibility_error) : Json(nullptr)}}},
       {"passes", s.passes},
       {"visibility", visibility_json(s.visibility)},
       {"refinement",

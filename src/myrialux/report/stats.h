@@ -61,6 +61,11 @@ struct RenderStats {
     std::uint64_t trees = 0;      ///< hierarchies of lights and of all receivers; 0: not measured
     std::uint64_t predicted = 0;  ///< what the process was to take at most; 0: not predicted
   } memory;
+  /// Of --clusters auto, from the first pass: errors of one pass, see ClusterChoice
+  struct ClustersAuto {
+    std::uint64_t chosen = 0;  ///< 0: the number was given
+    double light_set_error = 0, cluster_error = 0, visibility_error = 0;
+  } clusters_auto;
   double error_estimate = -1, error_confidence = -1;  ///< -1: not measured
   double clamped_energy_fraction = -1;
   std::vector<std::string> warnings;
