@@ -168,6 +168,8 @@ void SliceLoop::finish(double loop_wall_s, RenderStats& stats, RenderStats::Visi
   stats.time_s["visibility"] += scale * sum.visibility_s;
   stats.time_s["complete"] += scale * sum.complete_s;
   stats.time_s["shade"] += scale * sum.shade_s;
+  stats.cpu_s["cluster"] += sum.cut_s, stats.cpu_s["visibility"] += sum.visibility_s;
+  stats.cpu_s["complete"] += sum.complete_s, stats.cpu_s["shade"] += sum.shade_s;
   RenderStats::Visibility& v = stats.visibility;
   v.entries += sum.completion.entries, v.traced += sum.completion.traced;
   v.fully_sampled_columns += sum.completion.full_columns;
