@@ -131,7 +131,7 @@ TEST_F(Program, RenderWritesPicturesAndStatsAndNamesThemLast) {
   EXPECT_GT(sum, 0) << "the room is lit";
 
   const json j = json::parse(folder.read("a.json"));
-  EXPECT_EQ(j["method"], "bamc");
+  EXPECT_EQ(j["method"], "lbamc");
   EXPECT_EQ(j["seed"], 5);
   EXPECT_GT(j["receivers"], 0);
   EXPECT_GT(j["time_s"]["load"], 0);

@@ -41,6 +41,7 @@ SliceLoop::SliceLoop(const FrameView& frame, const MethodParams& params, const S
 
 void SliceLoop::run(Progress& progress) {
   if (has_meter()) result.visibility_error.resize(frame_.receivers.size());
+  if (!has_meter()) slack_ = 0;  // without a pilot, or where it is black, nobody knows what copies would do
   parallel_for(slices_.size(), [&](std::size_t s) {
     if (in_pilot(s)) return;
     render(s);
