@@ -40,7 +40,8 @@ SliceLoop::SliceLoop(const FrameView& frame, const MethodParams& params, const S
 }
 
 void SliceLoop::run(Progress& progress) {
-  if (has_meter()) result.visibility_error.resize(frame_.receivers.size());
+  // Where no slack is small enough all is traced, and the error is known to be 0.
+  if (has_meter() && method_.largest_error > 0) result.visibility_error.resize(frame_.receivers.size());
   parallel_for(slices_.size(), [&](std::size_t s) {
     if (in_pilot(s)) return;
     render(s);

@@ -96,8 +96,9 @@ Parts pass_parts(const FrameExtent& f) {
   constexpr Bytes kSlicePoint = 28, kOrder = sizeof(ReceiverId);
   const Bytes samples = n_samples(f), lights = f.n_lights * kLight + f.n_glossy * kGlossy;
   const Bytes tree = f.n_lights * kTreeLight + f.n_glossy * 2 * sizeof(GlossyNode);
-  // Of every receiver: radiance; with slices also slice, cut size, visibility. A slice's report is 1/8 byte a row.
-  const Bytes result = samples * (f.has_slices ? 24 + 1 : 12 + 1);
+  // Of every receiver: radiance; with slices also slice, cut size, visibility, its error. A slice's report is 1/8 byte
+  // a row.
+  const Bytes result = samples * ((f.has_slices ? 24 + 1 : 12 + 1) + (f.has_errors ? 4 : 0));
   Parts base;
   base.film = n_pixels(f) * FrameState::bytes_a_pixel();
   base.receivers = samples * (kReceiverBytes + kSampleBytes);

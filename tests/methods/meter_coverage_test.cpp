@@ -1,0 +1,98 @@
+// The meter's interval of the share of wrong bits, on slices of rendered scenes, holds the true share in 95 of 100
+// cases.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "myrialux/base/parallel.h"
+#include "myrialux/methods/slice_driver.h"
+#include "myrialux/scene/load.h"
+#include "myrialux/visibility/error_meter.h"
+#include "support/method_frame.h"
+#include "support/scenes.h"
+
+namespace myrialux {
+namespace {
+
+/// How often the interval held the truth.
+struct Coverage {
+  std::size_t n_slices = 0, n = 0, held = 0, below = 0, above = 0;
+  double share = 0;  ///< mean of the true ones
+  double row_variance = 0;
+};
+
+/// A slice's true bits and those that lbamc makes of them.
+void measure_slice(const test::MethodFrame& f, const Slices& slices, const LightTree& tree, std::size_t s, float unit,
+                   float slack, std::size_t n_seeds, Coverage& coverage) {
+  const std::span<const ReceiverId> rows = slices.rows(s);
+  const std::vector<Column> columns = light_cut(f.world, f.receivers, rows, f.lights, tree, f.params.cut);
+  SliceVisibility source(f.world, f.receivers, rows, f.lights, columns, true);
+  source.set_block_energies(
+      BlockEnergies(f.world, f.receivers, rows, f.lights, tree, columns, f.params.cut.clamp_distance, unit));
+  BitMatrix truth(rows.size(), columns.size()), completed(rows.size(), columns.size());
+  trace_all(source, truth);
+  Rng rng(f.params.key, Stage::visibility, s);
+  complete_localized(source, with_slack(f.params.lbamc, slack), rng, completed);
+
+  // The mean over rows of their own shares.
+  std::vector<double> wrong(rows.size()), active(rows.size());
+  for (std::size_t j = 0; j < columns.size(); ++j)
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      active[i] += source.active_matrix().test(i, j), wrong[i] += completed.test(i, j) != truth.test(i, j);
+  double share = 0, square = 0, n_rows = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (active[i] > 0) share += wrong[i] / active[i], square += std::pow(wrong[i] / active[i], 2), ++n_rows;
+  share /= n_rows, square /= n_rows;
+  if (share < 0.003 || share > 0.03) return;
+  ++coverage.n_slices, coverage.share += share,
+      coverage.row_variance += (square - share * share) / (share * (1 - share));
+
+  const CompletedSlice slice{.world = f.world,
+                             .receivers = f.receivers,
+                             .rows = rows,
+                             .lights = f.lights,
+                             .columns = columns,
+                             .active = source.active_matrix(),
+                             .clamp_distance = f.params.cut.clamp_distance,
+                             .unit = unit};
+  for (std::uint64_t seed = 0; seed < n_seeds; ++seed) {
+    Rng own({seed}, Stage::error_meter, s);
+    const MeterReading r = measure_errors(slice, completed, own);
+    const Interval i = share_interval(r.false_visible + r.false_occluded, r.rays);
+    ++coverage.n, coverage.held += i.low <= share && share <= i.high;
+    coverage.below += i.high<share, coverage.above += i.low> share;
+  }
+}
+
+Coverage measure(const test::MethodFrame& f, float slack, std::size_t n_slices, std::size_t n_seeds) {
+  const float radius = 0.5f * f.scene.bounds().diagonal();
+  const Slices slices = make_slices(f.receivers, radius, f.params.slices);
+  const LightTree tree = build_light_tree(f.world, f.lights, radius, f.params.tree);
+  std::vector<Coverage> all(std::min(n_slices, slices.size()));
+  parallel_for(all.size(), [&](std::size_t k) {
+    measure_slice(f, slices, tree, k * slices.size() / all.size(), 0.2f, slack, n_seeds, all[k]);
+  });
+  Coverage sum;
+  for (const Coverage& c : all) {
+    sum.n_slices += c.n_slices, sum.n += c.n, sum.held += c.held, sum.below += c.below, sum.above += c.above;
+    sum.share += c.share, sum.row_variance += c.row_variance;
+  }
+  return sum;
+}
+
+TEST(MeterCoverage, Explore) {
+  MYRIALUX_REQUIRE_SCENES();
+  for (const char* name : {"cornell-box", "staircase2"})
+    for (const float slack : {1.0f, 4.0f, 16.0f}) {
+      test::MethodFrame f(load_scene(test::scenes_folder() + "/" + name + "/scene.xml"), 10000, 200);
+      f.params.cut.n_clusters = 300;
+      const Coverage c = measure(f, slack, 40, 100);
+      const double n = static_cast<double>(c.n_slices);
+      std::printf("%s slack %g: slices %zu, share %.4f, row variance %.3f; of %zu held %.4f, below %.4f, above %.4f\n",
+                  name, double(slack), c.n_slices, c.share / n, c.row_variance / n, c.n, double(c.held) / double(c.n),
+                  double(c.below) / double(c.n), double(c.above) / double(c.n));
+    }
+}
+
+}  // namespace
+}  // namespace myrialux
