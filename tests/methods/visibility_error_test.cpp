@@ -30,7 +30,7 @@ Outcome run(const Fixture& f, float limit, const char* method = "lbamc") {
   return r;
 }
 
-/// 288 slices of 128 rows, so that five of them are the pilot.
+/// 288 slices of 128 rows, so that four of them are the pilot.
 struct Box : Fixture {
   Box() : Fixture(test::cornell_box(), 10000, 192) {
     params.cut.n_clusters = 300;
@@ -75,7 +75,7 @@ TEST(VisibilityError, SmallerLimitsErrLessAndTraceMore) {
   const std::vector<Rgb> full = run(f, 0, "slice-lightcuts").result.radiance;
   double last_error = 1e9;
   std::uint64_t last_traced = 0;
-  for (const float limit : {0.1f, 0.03f, 0.02f, 0.01f, 0.005f, 0.003f, 0.001f, 0.0003f}) {
+  for (const float limit : {0.1f, 0.01f, 0.004f, 0.001f}) {
     const Outcome r = run(f, limit);
     const double error = relative_rmse(full, r.result.radiance);
     std::printf("limit %g: error %g, traced %g, slack %g, meter %g, pilot %g, redone %d\n", double(limit), error,
@@ -114,11 +114,8 @@ TEST(VisibilityError, SlicesThatThePilotMissedAreDoneAgain) {
   EXPECT_GT(r.meter().redone_slices, 0u);
   EXPECT_GT(r.stats.visibility.traced, loose.stats.visibility.traced);
   EXPECT_LT(relative_rmse(full, r.result.radiance), relative_rmse(full, loose.result.radiance));
-  // The rays of the meter that were thrown away are counted, too: one a row of a slice that was done again.
-  const std::uint64_t discarded = r.stats.rays.shadow - r.stats.visibility.traced - r.meter().rays;
-  EXPECT_GT(discarded, 0u);
-  EXPECT_LE(discarded, 256 * r.meter().redone_slices);
-  EXPECT_EQ(loose.stats.rays.shadow, loose.stats.visibility.traced + loose.meter().rays);
+  for (const Outcome* o : {&loose, &r})
+    EXPECT_EQ(o->stats.rays.shadow, o->stats.visibility.traced + o->meter().rays + o->meter().more_rays);
 }
 
 TEST(VisibilityError, SameBitsForAnyNumberOfThreadsWithSlicesDoneAgain) {
@@ -150,12 +147,11 @@ TEST(VisibilityError, MeterAgreesWithTheReceiversAndWithTheTruth) {
     squares += std::pow(static_cast<double>(r.result.visibility_error[i]), 2);
     n_traced += r.result.visibility_fraction[i] == 1;
   }
-  // Each is a root in single precision.
   EXPECT_NEAR(r.meter().error_square, squares / static_cast<double>(n), 1e-6 * r.meter().error_square);
-  EXPECT_EQ(n_traced, 256u);
+  EXPECT_EQ(n_traced, 4 * 128u) << "the pilot: slices 32, 96, 160 and 224";
   EXPECT_LE(r.meter().rays, n - n_traced) << "one a row";
   EXPECT_GT(r.meter().rays, (n - n_traced) * 9 / 10);
-  EXPECT_EQ(r.meter().slices, 36u);
+  EXPECT_EQ(r.meter().slices, 288u);
 
   // Bias and error against the bits that slice-lightcuts traces.
   const std::vector<Rgb> full = run(f, 0, "slice-lightcuts").result.radiance;

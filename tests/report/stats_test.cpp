@@ -74,15 +74,16 @@ TEST(Stats, WrongBitsAreSharesOfTheCheckedEntries) {
 TEST(Stats, MeterTellsEstimatesWithTheirIntervals) {
   RenderStats s;
   RenderStats::Visibility::Meter& m = s.visibility.meter;
-  m.rays = 1000, m.wrong = 10, m.slices = 40, m.redone_slices = 3;
+  m.rays = 1000, m.wrong = 10, m.more_rays = 400, m.slices = 40, m.redone_slices = 3;
   m.error_square = 4e-4, m.error_square_variance = 1e-8;  // standard error 1e-4
   m.bias = -1e-3, m.bias_variance = 4e-8, m.slack = 2, m.pilot_error = 0.004;
   const ordered_json j = ordered_json::parse(to_json(s))["visibility"]["meter"];
-  EXPECT_THAT(keys(j),
-              ElementsAre("rays", "wrong", "error", "bias", "pilot_error", "slack", "slices", "redone_slices"));
+  EXPECT_THAT(keys(j), ElementsAre("rays", "more_rays", "wrong", "error", "bias", "pilot_error", "slack", "slices",
+                                   "redone_slices"));
   for (const char* key : {"wrong", "error", "bias"})
     EXPECT_THAT(keys(j[key]), ElementsAre("estimate", "low", "high")) << key;
   EXPECT_EQ(j["rays"], 1000);
+  EXPECT_EQ(j["more_rays"], 400);
   EXPECT_EQ(j["slices"], 40);
   EXPECT_EQ(j["redone_slices"], 3);
   EXPECT_EQ(j["pilot_error"], 0.004);
@@ -99,6 +100,8 @@ TEST(Stats, MeterTellsEstimatesWithTheirIntervals) {
   EXPECT_DOUBLE_EQ(j["bias"]["high"], -1e-3 + kNormal95 * 2e-4);
   m.error_square_variance = 1;
   EXPECT_EQ(meter_errors(m).error_interval.low, 0) << "no root of a negative number";
+  m.error_square = -1e-4;  // estimates of squares may come out below 0
+  EXPECT_EQ(meter_errors(m).error, 0);
 }
 
 TEST(Stats, MeterOfManyPassesIsTheirMean) {
@@ -106,6 +109,7 @@ TEST(Stats, MeterOfManyPassesIsTheirMean) {
   for (const double k : {1.0, 3.0})
     sum += {.rays = 100,
             .wrong = 1,
+            .more_rays = 40,
             .slices = 10,
             .redone_slices = 1,
             .error_square = 1e-4 * k,
@@ -117,6 +121,7 @@ TEST(Stats, MeterOfManyPassesIsTheirMean) {
   sum.divide(2);
   EXPECT_EQ(sum.rays, 200u) << "counts stay sums";
   EXPECT_EQ(sum.wrong, 2u);
+  EXPECT_EQ(sum.more_rays, 80u);
   EXPECT_EQ(sum.slices, 20u);
   EXPECT_EQ(sum.redone_slices, 2u);
   EXPECT_DOUBLE_EQ(sum.error_square, 2e-4);
