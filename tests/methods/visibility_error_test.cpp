@@ -6,6 +6,7 @@
 #include "myrialux/base/parallel.h"
 #include "myrialux/clusters/slices.h"
 #include "support/method_frame.h"
+#include "support/statistics.h"
 
 namespace myrialux {
 namespace {
@@ -75,12 +76,15 @@ TEST(VisibilityError, SmallerLimitsErrLessAndTraceMore) {
   const std::vector<Rgb> full = run(f, 0, "slice-lightcuts").result.radiance;
   double last_error = 1e9;
   std::uint64_t last_traced = 0;
-  for (const float limit : {0.1f, 0.01f, 0.004f, 0.001f}) {
+  struct Recorded {
+    float limit;
+    double
+        error;  ///< half above what was measured: 0.0236, 0.0135, 0.0070, 0 (no slack is small enough: all is traced)
+  };
+  for (const auto& [limit, recorded] : {Recorded{0.1f, 0.035}, {0.01f, 0.020}, {0.004f, 0.0105}, {0.001f, 1e-9}}) {
     const Outcome r = run(f, limit);
     const double error = relative_rmse(full, r.result.radiance);
-    std::printf("limit %g: error %g, traced %g, slack %g, meter %g, pilot %g, redone %d\n", double(limit), error,
-                double(r.stats.visibility.traced) / double(r.stats.visibility.entries), r.meter().slack,
-                meter_errors(r.meter()).error, r.meter().pilot_error, int(r.meter().redone_slices));
+    EXPECT_LT(error, recorded) << limit;
     EXPECT_LT(error, last_error) << limit;
     EXPECT_GT(r.stats.visibility.traced, last_traced) << limit;
     EXPECT_LE(r.meter().pilot_error, static_cast<double>(limit));
@@ -90,10 +94,9 @@ TEST(VisibilityError, SmallerLimitsErrLessAndTraceMore) {
 
 TEST(VisibilityError, SlackStaysInItsRange) {
   const Box f;
-  for (const float limit : {1e-7f, 1e-5f, 1e-4f, 1.0f}) {
+  for (const float limit : {1e-7f, 1e-4f, 0.002f, 0.0025f, 0.003f, 1.0f}) {
     const Outcome r = run(f, limit);
     const double slack = r.meter().slack;
-    std::printf("limit %g: slack %g\n", double(limit), slack);
     EXPECT_TRUE(slack == 0 || (slack >= 1.0 / 64 && slack <= 8)) << limit << ": " << slack;
     if (slack == 0) {
       EXPECT_EQ(r.stats.visibility.traced, r.stats.visibility.entries) << limit;
@@ -105,9 +108,6 @@ TEST(VisibilityError, SlicesThatThePilotMissedAreDoneAgain) {
   const Posts f;
   const Outcome loose = run(f, 1), r = run(f, 0.002f);
   const std::vector<Rgb> full = run(f, 0, "slice-lightcuts").result.radiance;
-  std::printf("slack %g, redone %d of %d, error %g loose %g, meter %g\n", r.meter().slack, int(r.meter().redone_slices),
-              int(r.meter().slices), relative_rmse(full, r.result.radiance), relative_rmse(full, loose.result.radiance),
-              meter_errors(r.meter()).error);
   ASSERT_EQ(loose.meter().slack, 8);
   ASSERT_EQ(r.meter().slack, 8) << "the pilot must not see the posts";
   EXPECT_EQ(loose.meter().redone_slices, 0u);
@@ -136,7 +136,7 @@ TEST(VisibilityError, SameBitsForAnyNumberOfThreadsWithSlicesDoneAgain) {
   }
 }
 
-TEST(VisibilityError, MeterAgreesWithTheReceiversAndWithTheTruth) {
+TEST(VisibilityError, MeterAgreesWithTheReceivers) {
   const Box f;
   const Outcome r = run(f, 0.02f);
   const std::size_t n = f.receivers.size();
@@ -147,23 +147,40 @@ TEST(VisibilityError, MeterAgreesWithTheReceiversAndWithTheTruth) {
     squares += std::pow(static_cast<double>(r.result.visibility_error[i]), 2);
     n_traced += r.result.visibility_fraction[i] == 1;
   }
-  EXPECT_NEAR(r.meter().error_square, squares / static_cast<double>(n), 1e-6 * r.meter().error_square);
+  // Estimates of slices that come out below 0 are shown as 0.
+  EXPECT_GE(squares / static_cast<double>(n), r.meter().error_square * (1 - 1e-6));
+  EXPECT_LT(squares / static_cast<double>(n), 2 * r.meter().error_square);
   EXPECT_EQ(n_traced, 4 * 128u) << "the pilot: slices 32, 96, 160 and 224";
   EXPECT_LE(r.meter().rays, n - n_traced) << "one a row";
   EXPECT_GT(r.meter().rays, (n - n_traced) * 9 / 10);
   EXPECT_EQ(r.meter().slices, 288u);
+}
 
-  // Bias and error against the bits that slice-lightcuts traces.
-  const std::vector<Rgb> full = run(f, 0, "slice-lightcuts").result.radiance;
-  double sum = 0, difference = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    sum += static_cast<double>(luminance(f.receivers.beta[i] * full[i]));
-    difference += static_cast<double>(luminance(f.receivers.beta[i] * (r.result.radiance[i] - full[i])));
-  }
-  const MeterErrors e = meter_errors(r.meter());
-  std::printf("error %g (%g to %g), true %g; bias %g (%g to %g), true %g\n", e.error, e.error_interval.low,
-              e.error_interval.high, relative_rmse(full, r.result.radiance), e.bias, e.bias_interval.low,
-              e.bias_interval.high, difference / sum);
+TEST(VisibilityError, MeterIsRightInTheMeanOfManyFrames) {
+  // No slice is done again under so loose a limit: of those that are not, more were measured too low than too high.
+  Box f;
+  test::Sample squares, bias, true_squares;
+  for (std::uint64_t seed = 0; seed < 16; ++seed) {
+    f.params.key = {100 + seed};
+    const Outcome r = run(f, 1);
+    ASSERT_EQ(r.meter().redone_slices, 0u);
+    const std::vector<Rgb> full = run(f, 0, "slice-lightcuts").result.radiance;
+    double sum = 0, error = 0, square = 0;
+    for (std::size_t i = 0; i < f.receivers.size(); ++i) {
+      const auto light = [&](Rgb l) { return static_cast<double>(luminance(f.receivers.beta[i] * l)); };
+      const double d = light(r.result.radiance[i]) - light(full[i]);
+      // The pilot's rows are not measured, but shaded with true bits: d is 0.
+      sum += light(full[i]), error += d, square += d * d;
+    }
+    const double n = static_cast<double>(f.receivers.size());
+    squares.add(r.meter().error_square - square * n / (sum * sum)), true_squares.add(square * n / (sum * sum));
+    bias.add(r.meter().bias - error / sum);
+  } bias %g +- %g\n", squares.mean, std::sqrt(squares.variance_of_mean()),
+              true_squares.mean, bias.mean, std::sqrt(bias.variance_of_mean()));
+  // Student's t of 15 degrees of freedom, level 1e-3. Measured: squares -0.3e-4 +- 0.6e-4 beside 5.7e-4.
+  EXPECT_LT(std::fabs(test::z_score(squares, 0)), 4.1);
+  EXPECT_LT(std::fabs(test::z_score(bias, 0)), 4.1);
+  EXPECT_LT(std::sqrt(squares.variance_of_mean()), 0.3 * true_squares.mean);
 }
 
 TEST(VisibilityError, FramesTooSmallForAPilotAreCompletedWithoutMeter) {
@@ -173,10 +190,10 @@ TEST(VisibilityError, FramesTooSmallForAPilotAreCompletedWithoutMeter) {
   EXPECT_EQ(r.stats.slices, 3u);
   EXPECT_EQ(r.meter().rays, 0u);
   EXPECT_TRUE(r.result.visibility_error.empty());
-  EXPECT_LT(r.stats.visibility.traced, r.stats.visibility.entries);
+  EXPECT_LT(r.stats.visibility.traced, r.stats.visibility.entries / 2);
   const std::vector<Rgb> full = run(f, 0, "slice-lightcuts").result.radiance;
-  std::printf("no pilot: error %g traced %g\n", relative_rmse(full, r.result.radiance),
-              double(r.stats.visibility.traced) / double(r.stats.visibility.entries));
+  // Measured: 0.0232. Nothing tells what blocks are worth, so that the error is what it is.
+  EXPECT_LT(relative_rmse(full, r.result.radiance), 0.035);
   EXPECT_EQ(run(f, 0).result.radiance, full) << "all traced, pilot or not";
 }
 

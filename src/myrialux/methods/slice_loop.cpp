@@ -104,6 +104,7 @@ CompletedSlice SliceLoop::completed_slice(std::size_t s, std::span<const Column>
           .rows = slices_.rows(s),
           .lights = frame_.lights,
           .columns = columns,
+          .source = source,
           .active = source.active_matrix(),
           .clamp_distance = params_.cut.clamp_distance,
           .unit = mean_radiance_,
@@ -111,7 +112,7 @@ CompletedSlice SliceLoop::completed_slice(std::size_t s, std::span<const Column>
 }
 
 bool SliceLoop::is_redone(const MeterReading& meter, std::size_t n_rows) const {
-  if (meter.false_visible + meter.false_occluded < kLeastWrongRays) return false;
+  if (meter.wrong_by_energy < kLeastWrongRays) return false;
   const double limit = kRedoneAbove * static_cast<double>(method_.largest_error);
   return mean_square(meter.squares, static_cast<double>(n_rows)) > limit * limit;
 }
@@ -188,8 +189,19 @@ void SliceLoop::finish(double loop_wall_s, RenderStats& stats, RenderStats::Visi
   v.meter += meter;
 }
 
+/// Radiance that the meter counts as 1, over the mean of the frame, which is known now: the pilot's slices are few.
+double SliceLoop::unit_of_frame() const {
+  double sum = 0;
+  for (std::size_t i = 0; i < result.radiance.size(); ++i)
+    sum += static_cast<double>(luminance(frame_.receivers.beta[i] * result.radiance[i]));
+  const double mean = sum / static_cast<double>(std::max<std::size_t>(1, result.radiance.size()));
+  return mean > 0 ? static_cast<double>(mean_radiance_) / mean : 1;
+}
+
 /// Squares and bias are sums over slices, whose scatter tells how sure they are.
-void SliceLoop::add_meter(RenderStats::Visibility::Meter& meter) const {
+void SliceLoop::add_meter(RenderStats::Visibility::Meter& meter) {
+  const double unit = unit_of_frame();
+  for (float& error : result.visibility_error) error *= static_cast<float>(unit);
   double squares = 0, squares2 = 0, bias = 0, bias2 = 0, n_rows = 0;
   for (std::size_t s = 0; s < reports_.size(); ++s) {
     const SliceReport& r = reports_[s];
@@ -201,12 +213,12 @@ void SliceLoop::add_meter(RenderStats::Visibility::Meter& meter) const {
     bias += r.meter.bias, bias2 += r.meter.bias * r.meter.bias;
     n_rows += static_cast<double>(slices_.rows(s).size());
   }
-  const double n = static_cast<double>(reports_.size()), scale = mean_square(1, n_rows);
+  const double n = static_cast<double>(reports_.size()), scale = mean_square(unit * unit, n_rows);
   meter.slices = reports_.size();
   meter.error_square = scale * squares;
   meter.error_square_variance = scale * scale * std::max(0.0, squares2 - squares * squares / n);
-  meter.bias = bias / n_rows;
-  meter.bias_variance = std::max(0.0, bias2 - bias * bias / n) / (n_rows * n_rows);
+  meter.bias = unit * bias / n_rows;
+  meter.bias_variance = unit * unit * std::max(0.0, bias2 - bias * bias / n) / (n_rows * n_rows);
   meter.slack = static_cast<double>(slack_);
   meter.pilot_error = pilot_error_;
 }

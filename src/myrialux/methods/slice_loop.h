@@ -67,7 +67,8 @@ class SliceLoop {
   double mean_square(double squares, double n_rows) const { return squares / (n_rows * frame_.spp); }
   bool has_meter() const { return method_.complete_within && mean_radiance_ > 0; }
 
-  void add_meter(RenderStats::Visibility::Meter& meter) const;
+  double unit_of_frame() const;
+  void add_meter(RenderStats::Visibility::Meter& meter);
 
   const FrameView& frame_;
   const MethodParams& params_;

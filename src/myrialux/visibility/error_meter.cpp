@@ -1,4 +1,4 @@
-// Entries are drawn by rejection among a row's columns; only wrong ones need their transfer.
+// Entries are drawn evenly, by rejection, and by the energy of their blocks; only wrong ones need their transfer.
 #include "myrialux/visibility/error_meter.h"
 
 #include <algorithm>
@@ -12,16 +12,67 @@
 namespace myrialux {
 namespace {
 
+/// Of EntrySource::block_energies().
+constexpr std::size_t kRowsInBlock = 16, kBlocksInWord = 64 / kRowsInBlock;
+
+/// Columns drawn by what they may bring to a block of rows: half of them in proportion, half evenly, as bounds of
+/// blocks can be loose by far, and an error found against all odds would count for too much.
+class EnergyDraw {
+ public:
+  explicit EnergyDraw(const EntrySource& source);
+  /// May bring anything.
+  bool any(std::size_t row) const { return sums_of(row).back() > 0; }
+  /// @param u in [0, 1)
+  std::size_t column(std::size_t row, float u) const;
+  double probability(std::size_t row, std::size_t j) const;
+
+ private:
+  std::span<const float> sums_of(std::size_t row) const {
+    return std::span(sums_).subspan(row / kRowsInBlock * stride_, stride_);
+  }
+  std::size_t stride_;
+  std::vector<float> sums_;  ///< [blocks x (columns + 1)], of the columns before
+};
+
+EnergyDraw::EnergyDraw(const EntrySource& source) : stride_(source.n_columns() + 1) {
+  const std::size_t n_blocks = (source.n_rows() + 63) / 64 * kBlocksInWord;  // whole words of rows
+  std::vector<float> energies(n_blocks);
+  sums_.resize(n_blocks * stride_);
+  for (std::size_t j = 0; j + 1 < stride_; ++j) {
+    source.block_energies(j, energies);
+    for (std::size_t b = 0; b < n_blocks; ++b) sums_[b * stride_ + j + 1] = sums_[b * stride_ + j] + energies[b];
+  }
+  for (std::size_t b = 0; b < n_blocks; ++b) {
+    const std::span<float> sums = std::span(sums_).subspan(b * stride_, stride_);
+    const float mean = sums.back() / static_cast<float>(stride_ - 1);
+    for (std::size_t j = 1; j < stride_; ++j) sums[j] += static_cast<float>(j) * mean;
+  }
+}
+
+std::size_t EnergyDraw::column(std::size_t row, float u) const {
+  const std::span<const float> sums = sums_of(row);
+  const float at = u * sums.back();
+  const auto after = std::upper_bound(sums.begin() + 1, sums.end() - 1, at);
+  return static_cast<std::size_t>(after - sums.begin()) - 1;
+}
+
+double EnergyDraw::probability(std::size_t row, std::size_t j) const {
+  const std::span<const float> sums = sums_of(row);
+  return static_cast<double>(sums[j + 1] - sums[j]) / static_cast<double>(sums.back());
+}
+
 class Meter {
  public:
   Meter(const CompletedSlice& slice, const BitMatrix& visible, Rng& rng)
-      : s_(slice), visible_(visible), rng_(rng), n_active_(bits_of_rows(slice.active)) {}
+      : s_(slice), visible_(visible), rng_(rng), n_active_(bits_of_rows(slice.active)), by_energy_(slice.source) {}
   MeterReading read();
 
  private:
-  std::size_t draw_column(std::size_t row);
+  void look_evenly(std::size_t row);
+  void look_by_energy(std::size_t row);
   bool is_wrong(std::size_t row, std::size_t j) const;
   double error(std::size_t row, std::size_t j) const;
+  double draw_error(std::size_t row, std::size_t known_row, std::size_t known_column);
   double follow(std::size_t row, std::size_t j);
   std::uint32_t pixel(std::size_t row) const { return s_.receivers.sample[index(s_.rows[row])] / s_.spp; }
   std::span<const std::uint32_t> rows_of_pixel(std::size_t row);
@@ -30,30 +81,39 @@ class Meter {
   const BitMatrix& visible_;
   Rng& rng_;
   const std::vector<std::uint32_t> n_active_;
+  const EnergyDraw by_energy_;
   std::vector<std::uint32_t> by_pixel_;  ///< rows that have active entries, pixel by pixel; made when first needed
   MeterReading reading_;
 };
 
 MeterReading Meter::read() {
+  const std::uint32_t first = rng_.below(kRowsByEnergy);
   for (std::size_t row = 0; row < s_.rows.size(); ++row) {
     if (n_active_[row] == 0) continue;
-    const std::size_t j = draw_column(row);
-    ++reading_.rays;
-    if (!is_wrong(row, j)) continue;
-    ++(visible_.test(row, j) ? reading_.false_visible : reading_.false_occluded);
-    const double e = n_active_[row] * error(row, j);
-    reading_.bias += e;
-    reading_.squares += e * follow(row, j);
+    look_evenly(row);
+    if (row % kRowsByEnergy == first) look_by_energy(row);
   }
   return reading_;
 }
 
-/// One of the row's active columns.
-std::size_t Meter::draw_column(std::size_t row) {
+void Meter::look_evenly(std::size_t row) {
   const auto n_columns = static_cast<std::uint32_t>(s_.columns.size());
   std::size_t j = rng_.below(n_columns);
   while (!s_.active.test(row, j)) j = rng_.below(n_columns);
-  return j;
+  ++reading_.rays;
+  if (is_wrong(row, j)) ++(visible_.test(row, j) ? reading_.false_visible : reading_.false_occluded);
+}
+
+void Meter::look_by_energy(std::size_t row) {
+  if (!by_energy_.any(row)) return;
+  const std::size_t j = by_energy_.column(row, rng_.next());
+  if (!s_.active.test(row, j)) return;  // its error is 0
+  ++reading_.more_rays;
+  if (!is_wrong(row, j)) return;
+  ++reading_.wrong_by_energy;
+  const double e = kRowsByEnergy * error(row, j) / by_energy_.probability(row, j);
+  reading_.bias += e;
+  reading_.squares += e * follow(row, j);
 }
 
 bool Meter::is_wrong(std::size_t row, std::size_t j) const {
@@ -71,23 +131,24 @@ double Meter::error(std::size_t row, std::size_t j) const {
   return static_cast<double>(visible_.test(row, j) ? energy : -energy);
 }
 
+/// Estimates the error of a row by one entry, that of an entry known left out.
+double Meter::draw_error(std::size_t row, std::size_t known_row, std::size_t known_column) {
+  if (!by_energy_.any(row)) return 0;
+  const std::size_t j = by_energy_.column(row, rng_.next());
+  if (!s_.active.test(row, j) || (row == known_row && j == known_column)) return 0;
+  ++reading_.more_rays;
+  return is_wrong(row, j) ? error(row, j) / by_energy_.probability(row, j) : 0;
+}
+
 /// Estimates the error of the row's pixel. That of entry (row, j), found wrong, is known; all others are drawn, the
 /// same number in each of the pixel's rows.
 double Meter::follow(std::size_t row, std::size_t j) {
   const std::span<const std::uint32_t> rows = rows_of_pixel(row);
   const std::uint32_t n_rays = std::max(1u, kFollowingRays / static_cast<std::uint32_t>(rows.size()));
   double sum = 0;
-  for (const std::uint32_t other : rows) {
-    double errors = 0;
-    for (std::uint32_t k = 0; k < n_rays; ++k) {
-      const std::size_t column = draw_column(other);
-      const bool is_known = other == row && column == j;
-      if (!is_known && is_wrong(other, column)) errors += error(other, column);
-    }
-    sum += errors * n_active_[other] / n_rays;
-  }
-  reading_.more_rays += rows.size() * n_rays;
-  return error(row, j) + sum;
+  for (const std::uint32_t other : rows)
+    for (std::uint32_t k = 0; k < n_rays; ++k) sum += draw_error(other, row, j);
+  return error(row, j) + sum / n_rays;
 }
 
 std::span<const std::uint32_t> Meter::rows_of_pixel(std::size_t row) {
