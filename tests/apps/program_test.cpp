@@ -143,12 +143,13 @@ TEST_F(Program, RenderWritesPicturesAndStatsAndNamesThemLast) {
 
 TEST_F(Program, ErrorOfVisibilityIsKeptToAndToldEverywhere) {
   const std::string exr = folder.file("a.exr"), stats = folder.file("a.json");
-  const std::vector<std::string> frame = {"-o",     exr,     "--stats",  stats, "--method", "lbamc",
-                                          "--size", "96x64", "--spp",    "2",   "-D",       "slices.rows=256",
-                                          "--vpls", "3000",  "--passes", "2"};
-  const auto rendered = [&](std::vector<std::string> more) {
-    more.insert(more.end(), frame.begin(), frame.end());
-    const Outcome o = render(more);
+  const auto rendered = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = {"render", room, "-o", exr, "--stats", stats, "--method", "lbamc"};
+    for (const char* word : {"--size", "96x64", "--spp", "2", "--vpls", "3000", "--clusters", "100", "--passes", "2",
+                             "-D", "slices.rows=256"})
+      all.push_back(word);
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome o = run_program(all);
     EXPECT_EQ(o.exit_code, 0) << o.err;
     return o.err;
   };
