@@ -32,6 +32,7 @@ RenderParams to_params(const RenderOptions& o, const Definitions& definitions);
 void check_outputs(const RenderOptions& o);
 std::vector<std::string> summary(const RenderStats& stats, double write_s);
 std::string footer();
+std::vector<std::string> methods_that_keep_to_error();
 
 void run(const RenderOptions& o, Session& session) {
   session.reporter = make_reporter(o.scene.progress);
@@ -108,6 +109,14 @@ void add_arguments(CLI::App& c, RenderOptions& o) {
                    MethodInfo{}.n_clusters, find_method("mdlc").n_clusters))
       ->check(whole_number_or("auto", 1, 1 << 24))
       ->option_text("N|auto");
+  c.add_option("--visibility-error", p.visibility_error,
+               fmt::format("How far copied visibility may take the picture\nfrom all shadow rays traced: root mean "
+                           "square over\npixels, over the mean radiance. Slices traced\nwhole set how much is copied, "
+                           "random true rays\ncheck it (stats: visibility.meter). 0: trace all.\nDefault {}; "
+                           "methods: {}",
+                           MethodParams{}.visibility_error, fmt::join(methods_that_keep_to_error(), ", ")))
+      ->check(number(0, 1))
+      ->option_text("FRACTION");
   c.add_option("--passes", p.passes, "Passes to average, each with its own samples\nand lights; default 1")
       ->check(whole_number(1, (1 << 24) - 1))
       ->option_text("N");
@@ -148,8 +157,9 @@ void add_arguments(CLI::App& c, RenderOptions& o) {
   c.add_option("--exposure", o.exposure, "Stops added in .png and .jpg; default 0")
       ->check(number(-100, 100, "stops"))
       ->option_text("STOPS");
-  c.add_option("--aov", o.aov,
-               "Layers beside the colours in .exr, by commas:\nalbedo,normal,depth,slice,cut,visibility.\nDefault: all")
+  c.add_option(
+       "--aov", o.aov,
+       "Layers beside the colours in .exr, by commas:\nalbedo,normal,depth,slice,cut,visibility,error.\nDefault: all")
       ->option_text("LIST");
   c.add_option("--stats", o.stats, "Write counts, times and parameters as JSON;\n- = to stdout")->option_text("FILE");
   c.add_option("--seed", p.seed, "Another seed, another noise; default 0")
@@ -175,7 +185,8 @@ RenderParams to_params(const RenderOptions& o, const Definitions& definitions) {
   p.residual = o.residual == "on";
   p.has_filter = !o.filter.empty();
   if (p.has_filter) p.filter = named_filter(o.filter);
-  if (!o.aov.empty()) p.aovs = parse_names("--aov", o.aov, {"albedo", "normal", "depth", "slice", "cut", "visibility"});
+  if (!o.aov.empty())
+    p.aovs = parse_names("--aov", o.aov, {"albedo", "normal", "depth", "slice", "cut", "visibility", "error"});
   if (!o.memory_limit.empty()) p.memory_limit = parse_bytes("--memory-limit", o.memory_limit);
   p.threads = thread_count(o.scene);
   p.extra = definitions.renderer;
@@ -204,6 +215,18 @@ void check_outputs(const RenderOptions& o) {
                                       o.scene.path + " -o " + o.params.lights_file);
 }
 
+/// Counts, and the error that copies added where it was measured.
+std::string visibility_words(const RenderStats::Visibility& v) {
+  std::string words =
+      fmt::format("visibility: {} of {} entries traced ({:.1f} %)", count_words(static_cast<double>(v.traced)),
+                  count_words(static_cast<double>(v.entries)),
+                  100 * static_cast<double>(v.traced) / static_cast<double>(v.entries));
+  if (v.meter.rays == 0) return words;
+  const MeterErrors e = meter_errors(v.meter);
+  return words + fmt::format("; error by the others {:.2f} % (95 %: {:.2f} to {:.2f}), {:.2f} % of all bits wrong",
+                             100 * e.error, 100 * e.error_interval.low, 100 * e.error_interval.high, 100 * e.wrong);
+}
+
 std::vector<std::string> summary(const RenderStats& s, double write_s) {
   std::vector<std::string> lines;
   const double passes = static_cast<double>(std::max<std::uint64_t>(1, s.passes));
@@ -220,11 +243,7 @@ std::vector<std::string> summary(const RenderStats& s, double write_s) {
   }
   if (write_s >= 1) times += fmt::format(" (writing files {})", duration_words(write_s));
   lines.push_back(times);
-  if (s.visibility.entries > 0)
-    lines.push_back(fmt::format(
-        "visibility: {} of {} entries traced ({:.1f} %)", count_words(static_cast<double>(s.visibility.traced)),
-        count_words(static_cast<double>(s.visibility.entries)),
-        100 * static_cast<double>(s.visibility.traced) / static_cast<double>(s.visibility.entries)));
+  if (s.visibility.entries > 0) lines.push_back(visibility_words(s.visibility));
   if (s.virtual_lights > 0 && gather_s > 0)
     lines.push_back(fmt::format("speed: {}, {} receivers x {} virtual lights{}: {} pairs/s", s.method,
                                 count_words(receivers / passes), count_words(lights / passes),
@@ -239,6 +258,13 @@ std::vector<std::string> summary(const RenderStats& s, double write_s) {
                                 100 * s.clamped_energy_fraction));
   lines.push_back("memory: " + bytes_words(s.memory.peak_rss) + " at most");
   return lines;
+}
+
+std::vector<std::string> methods_that_keep_to_error() {
+  std::vector<std::string> names;
+  for (const MethodInfo& m : all_methods())
+    if (m.keeps_to_error) names.push_back(m.name);
+  return names;
 }
 
 std::string footer() {

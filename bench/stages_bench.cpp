@@ -106,7 +106,7 @@ void light_tree(State& state, const bench::NamedScene& named) {
   const bench::Frame& f = bench::frame(named);
   run_memory(state, f.tree.memory_bytes(),
              [&] { benchmark::DoNotOptimize(build_light_tree(f.world, f.lights.lights, f.radius, {.key = f.key})); });
-  state.counters["n_nodes"] = static_cast<double>(f.tree.nodes.size());
+  state.counters["n_nodes"] = static_cast<double>(f.tree.size());
 }
 
 /// Seconds of the stages of slices, and counts.

@@ -124,6 +124,8 @@ TEST_F(Program, RenderWritesPicturesAndStatsAndNamesThemLast) {
   EXPECT_EQ(picture.height, 10);
   for (const char* layer : {"", "albedo", "normal", "depth", "slice", "cut", "visibility"})
     EXPECT_NE(picture.find(layer), nullptr) << layer;
+  EXPECT_EQ(picture.find("error"), nullptr) << "bamc does not measure it";
+  EXPECT_FALSE(header.contains("myrialux.visibility_error"));
   EXPECT_EQ(header["myrialux.seed"], "5");
   EXPECT_THAT(header["myrialux.command"], HasSubstr("--size 20x10"));
   double sum = 0;
@@ -137,6 +139,51 @@ TEST_F(Program, RenderWritesPicturesAndStatsAndNamesThemLast) {
   EXPECT_GT(j["time_s"]["load"], 0);
   EXPECT_GE(j["time_s"]["total"], j["time_s"]["load"]);
   EXPECT_GT(j["memory_bytes"]["peak_rss"], 1 << 20);
+}
+
+TEST_F(Program, ErrorOfVisibilityIsKeptToAndToldEverywhere) {
+  const std::string exr = folder.file("a.exr"), stats = folder.file("a.json");
+  const auto rendered = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = {"render", room, "-o", exr, "--stats", stats, "--method", "lbamc"};
+    for (const char* word : {"--size", "96x64", "--spp", "2", "--vpls", "3000", "--clusters", "100", "--passes", "2",
+                             "-D", "slices.rows=256"})
+      all.push_back(word);
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome o = run_program(all);
+    EXPECT_EQ(o.exit_code, 0) << o.err;
+    return o.err;
+  };
+  const std::string told = rendered({"--visibility-error", "0.01"});
+  EXPECT_THAT(told, HasSubstr(" traced ("));
+  EXPECT_THAT(told, HasSubstr("; error by the others "));
+  EXPECT_THAT(told, HasSubstr("% of all bits wrong"));
+  Metadata header;
+  Picture picture = read_picture(exr, &header);
+  EXPECT_EQ(header["myrialux.visibility_error"], "0.01");
+  const json j = json::parse(folder.read("a.json")), meter = j["visibility"]["meter"];
+  EXPECT_EQ(j["parameters"]["myrialux.visibility_error"], "0.01");
+  EXPECT_GT(meter["rays"], 0);
+  EXPECT_LE(meter["pilot_error"], 0.01);
+  EXPECT_LE(meter["error"]["low"], meter["error"]["estimate"]);
+  EXPECT_LE(meter["error"]["estimate"], meter["error"]["high"]);
+  EXPECT_EQ(meter["slices"], j["slices"]);
+  const Picture::Layer* error = picture.find("error");
+  ASSERT_NE(error, nullptr);
+  EXPECT_THAT(error->channels, ElementsAre("visibility"));
+  EXPECT_EQ(error->pixels.size(), 96u * 64u);
+  EXPECT_THAT(error->pixels, testing::Each(testing::Ge(0.0f)));
+
+  rendered({});
+  picture = read_picture(exr, &header);
+  EXPECT_EQ(header["myrialux.visibility_error"], "0.005") << "the default is told, too";
+  rendered({"--aov", "slice,error"});
+  EXPECT_EQ(read_picture(exr).layers.size(), 3u);
+
+  EXPECT_THAT(rendered({"--visibility-error", "0"}), Not(HasSubstr("error by the others")));
+  EXPECT_EQ(read_picture(exr).find("error"), nullptr) << "nothing was copied";
+  const json all = json::parse(folder.read("a.json"))["visibility"];
+  EXPECT_TRUE(all["meter"].is_null());
+  EXPECT_EQ(all["fraction"], 1);
 }
 
 TEST_F(Program, AllMethodsRender) {

@@ -36,8 +36,8 @@ TEST_F(Usage, HelpTeachesOnStdout) {
     EXPECT_THAT(top.out, HasSubstr(word));
   const Outcome render = run_program({"render", "--help"});
   EXPECT_EQ(render.exit_code, 0);
-  for (const char* word :
-       {"--method", "--spp", "default 4", "degrees", "bamc.alpha=", "slice-lightcuts", "Examples:", "Exit codes"})
+  for (const char* word : {"--method", "--spp", "default 4", "--visibility-error", "Default 0.005; methods: lbamc",
+                           "degrees", "bamc.alpha=", "slice-lightcuts", "Examples:", "Exit codes"})
     EXPECT_THAT(render.out, HasSubstr(word));
   for (const char* absent : {"--resume", "--quality"})
     EXPECT_THAT(render.out + top.out, Not(HasSubstr(absent))) << "what does not exist must not be offered";
@@ -82,6 +82,11 @@ TEST_F(Usage, MistakesExitWith2AndSayWhatIsAllowed) {
       {{"render", room, "-o", out, "--clusters", "automatic"}, "got automatic"},
       {{"render", room, "-o", out, "--clusters", "auto", "--method", "lightcuts"},
        "method 'lightcuts' cannot choose the clusters of slices (--clusters auto); methods that can: lbamc, bamc"},
+      {{"render", room, "-o", out, "--visibility-error", "0.01"},
+       "method 'bamc' cannot keep to an error of visibility (--visibility-error); methods that can: lbamc"},
+      {{"render", room, "-o", out, "--method", "lbamc", "--visibility-error", "1.5"},
+       "allowed is a number from 0 to 1"},
+      {{"render", room, "-o", out, "--method", "lbamc", "--visibility-error", "-1"}, "got -1"},
       {{"render", room, "-o", out, "--max-depth", "0"}, "-1: no limit"},
       {{"render", room, "-o", out, "--clamp", "-1"}, "allowed is a number from 0"},
       {{"render", room, "-o", out, "--clamp", "0.1", "--clamp-distance", "1"}, "--clamp excludes --clamp-distance"},

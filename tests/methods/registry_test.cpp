@@ -35,6 +35,12 @@ TEST(Methods, ChooseClustersWhereSlicesHaveLightCuts) {
             "gauss-jordan, matrix-separation, slice-lightcuts");
 }
 
+TEST(Methods, KeepToAnErrorOfVisibilityWhereTheyMeasureIt) {
+  EXPECT_EQ(refusal(find_method("bamc"), test::cornell_box(), {.visibility_error = true}),
+            "method 'bamc' cannot keep to an error of visibility (--visibility-error); methods that can: lbamc");
+  EXPECT_EQ(refusal(find_method("lbamc"), test::cornell_box(), {.auto_clusters = true, .visibility_error = true}), "");
+}
+
 TEST(Methods, AllTakeScenesOfToday) {
   for (const MethodInfo& m : all_methods())
     for (const Scene& scene : {test::cornell_box(), test::glass_pane_box(), test::plastic_floor_box()})

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "myrialux/pipeline/frame_state.h"
 #include "support/build_scene.h"
 
 namespace myrialux {
@@ -131,6 +133,37 @@ TEST(Pipeline, LayersAreThere) {
   RenderParams few = small("bamc");
   few.aovs = {"albedo"};
   EXPECT_EQ(render(test::cornell_box(), few, silent).picture.layers.size(), 2u);
+}
+
+TEST(Pipeline, ErrorLayerIsThereWhereItIsMeasured) {
+  Progress silent;
+  RenderParams p = small("lbamc");
+  p.width = p.height = 48, p.spp = 2, p.extra["slices.rows"] = "256";  // 18 slices
+  p.visibility_error = 0.02f;
+  const RenderOutput out = render(test::cornell_box(), p, silent);
+  const Picture::Layer* error = out.picture.find("error");
+  ASSERT_NE(error, nullptr);
+  EXPECT_EQ(out.picture.n_channels(), FrameState::n_channels({}, true, true));
+  EXPECT_GE(*std::min_element(error->pixels.begin(), error->pixels.end()), 0);
+  // The meter's mean square is that over receivers, of which the layer shows the roots: their mean is no larger. Pixels
+  // at the edge of the box have one receiver in place of two, but count as much.
+  double mean = 0;
+  for (const float e : error->pixels) mean += static_cast<double>(e) / static_cast<double>(error->pixels.size());
+  const double root = std::sqrt(out.stats.visibility.meter.error_square);
+  EXPECT_LT(mean, 1.05 * root);
+  EXPECT_GT(mean, 0.3 * root);
+
+  p.visibility_error = 0;
+  EXPECT_EQ(render(test::cornell_box(), p, silent).picture.find("error"), nullptr);
+  EXPECT_EQ(FrameState::n_channels({"error"}, true, false), 3u);
+  EXPECT_EQ(FrameState::n_channels({"error"}, true, true), 4u);
+}
+
+TEST(Pipeline, ErrorOfVisibilityIsRefusedByMethodsThatDoNotKeepToIt) {
+  RenderParams p = small("bamc");
+  p.visibility_error = 0.01f;
+  Progress silent;
+  EXPECT_THROW(render(test::cornell_box(), p, silent), Error);
 }
 
 TEST(Pipeline, MemoryLimitIsRefusedBeforeTheWorkWithARemedy) {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -41,7 +42,7 @@ TEST(Stats, HasTheKeysOfTheContractInOrder) {
                                    "clamped_energy_fraction", "warnings"));
   EXPECT_THAT(keys(j["visibility"]),
               ElementsAre("entries", "traced", "fraction", "false_visible_estimate", "false_occluded_estimate",
-                          "fully_sampled_columns", "verified_columns"));
+                          "fully_sampled_columns", "verified_columns", "meter"));
   EXPECT_THAT(keys(j["rays"]), ElementsAre("camera", "light", "shadow", "compensation"));
   EXPECT_THAT(keys(j["time_s"]), ElementsAre("load", "build", "receivers", "lights", "cluster", "visibility",
                                              "complete", "shade", "film", "total", "direct"));
@@ -70,14 +71,75 @@ TEST(Stats, WrongBitsAreSharesOfTheCheckedEntries) {
   EXPECT_EQ(j["visibility"]["false_occluded_estimate"], 0.015);
 }
 
+TEST(Stats, MeterTellsEstimatesWithTheirIntervals) {
+  RenderStats s;
+  RenderStats::Visibility::Meter& m = s.visibility.meter;
+  m.rays = 1000, m.wrong = 10, m.more_rays = 400, m.slices = 40, m.redone_slices = 3;
+  m.error_square = 4e-4, m.error_square_variance = 1e-8;  // standard error 1e-4
+  m.bias = -1e-3, m.bias_variance = 4e-8, m.slack = 2, m.pilot_error = 0.004;
+  const ordered_json j = ordered_json::parse(to_json(s))["visibility"]["meter"];
+  EXPECT_THAT(keys(j), ElementsAre("rays", "more_rays", "wrong", "error", "bias", "pilot_error", "slack", "slices",
+                                   "redone_slices"));
+  for (const char* key : {"wrong", "error", "bias"})
+    EXPECT_THAT(keys(j[key]), ElementsAre("estimate", "low", "high")) << key;
+  EXPECT_EQ(j["rays"], 1000);
+  EXPECT_EQ(j["more_rays"], 400);
+  EXPECT_EQ(j["slices"], 40);
+  EXPECT_EQ(j["redone_slices"], 3);
+  EXPECT_EQ(j["pilot_error"], 0.004);
+  EXPECT_EQ(j["slack"], 2);
+  const Interval wrong = share_interval(10, 1000);
+  EXPECT_EQ(j["wrong"]["estimate"], 0.01);
+  EXPECT_EQ(j["wrong"]["low"], wrong.low);
+  EXPECT_EQ(j["wrong"]["high"], wrong.high);
+  EXPECT_DOUBLE_EQ(j["error"]["estimate"], 0.02);
+  EXPECT_DOUBLE_EQ(j["error"]["low"], std::sqrt(4e-4 - kNormal95 * 1e-4));
+  EXPECT_DOUBLE_EQ(j["error"]["high"], std::sqrt(4e-4 + kNormal95 * 1e-4));
+  EXPECT_DOUBLE_EQ(j["bias"]["estimate"], -1e-3);
+  EXPECT_DOUBLE_EQ(j["bias"]["low"], -1e-3 - kNormal95 * 2e-4);
+  EXPECT_DOUBLE_EQ(j["bias"]["high"], -1e-3 + kNormal95 * 2e-4);
+  m.error_square_variance = 1;
+  EXPECT_EQ(meter_errors(m).error_interval.low, 0) << "no root of a negative number";
+  m.error_square = -1e-4;  // estimates of squares may come out below 0
+  EXPECT_EQ(meter_errors(m).error, 0);
+}
+
+TEST(Stats, MeterOfManyPassesIsTheirMean) {
+  RenderStats::Visibility::Meter sum;
+  for (const double k : {1.0, 3.0})
+    sum += {.rays = 100,
+            .wrong = 1,
+            .more_rays = 40,
+            .slices = 10,
+            .redone_slices = 1,
+            .error_square = 1e-4 * k,
+            .error_square_variance = 1e-10,
+            .bias = 1e-3 * k,
+            .bias_variance = 1e-8,
+            .slack = k,
+            .pilot_error = 0.01 * k};
+  sum.divide(2);
+  EXPECT_EQ(sum.rays, 200u) << "counts stay sums";
+  EXPECT_EQ(sum.wrong, 2u);
+  EXPECT_EQ(sum.more_rays, 80u);
+  EXPECT_EQ(sum.slices, 20u);
+  EXPECT_EQ(sum.redone_slices, 2u);
+  EXPECT_DOUBLE_EQ(sum.error_square, 2e-4);
+  EXPECT_DOUBLE_EQ(sum.error_square_variance, 5e-11) << "of a mean of two";
+  EXPECT_DOUBLE_EQ(sum.bias, 2e-3);
+  EXPECT_DOUBLE_EQ(sum.bias_variance, 5e-9);
+  EXPECT_DOUBLE_EQ(sum.slack, 2);
+  EXPECT_DOUBLE_EQ(sum.pilot_error, 0.02);
+}
+
 TEST(Stats, WhatWasNotMeasuredIsNull) {
   RenderStats s;
   s.clamped_energy_fraction = std::numeric_limits<double>::quiet_NaN();
   const ordered_json j = ordered_json::parse(to_json(s));
   for (const char* pointer :
        {"/visibility/fraction", "/visibility/false_visible_estimate", "/visibility/false_occluded_estimate",
-        "/clusters_mean", "/isa", "/clusters_auto/chosen", "/clusters_auto/cluster_error", "/time_s/load",
-        "/time_s/total", "/error/estimate", "/error/confidence", "/clamped_energy_fraction"})
+        "/visibility/meter", "/clusters_mean", "/isa", "/clusters_auto/chosen", "/clusters_auto/cluster_error",
+        "/time_s/load", "/time_s/total", "/error/estimate", "/error/confidence", "/clamped_energy_fraction"})
     EXPECT_TRUE(j.at(ordered_json::json_pointer(pointer)).is_null()) << pointer;
   EXPECT_TRUE(j["parameters"].is_object());
   EXPECT_TRUE(j["warnings"].is_array());

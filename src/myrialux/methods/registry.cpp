@@ -25,7 +25,15 @@ std::string names_of(const std::vector<MethodInfo>& methods, const std::function
 
 const std::vector<MethodInfo>& all_methods() {
   static const std::vector<MethodInfo> methods = {
-      {"lbamc", "slices, slice lightcut, completion by blocks of 16 neighbouring receivers", "ours", render_lbamc},
+      {"lbamc",
+       "slices, slice lightcut, completion by blocks of 16 neighbouring receivers",
+       "ours",
+       render_lbamc,
+       "clusters",
+       {},
+       1000,
+       {},
+       /*keeps_to_error=*/true},
       {"bamc", "slices, slice lightcut, boolean adaptive matrix completion", "Wang and Holzschuch 2020, section 4",
        render_bamc},
       {"amc", "the same slices and cuts, adaptive matrix completion by pseudo-inverse",
@@ -64,7 +72,10 @@ const MethodInfo& find_method(const std::string& name) {
 
 void require_able(const MethodInfo& method, const Scene& scene, const MethodRequest& request,
                   const std::vector<MethodInfo>& all) {
-  const auto fault = [&](const MethodInfo& m) { return m.cannot ? m.cannot(scene, request) : std::string(); };
+  const auto fault = [&](const MethodInfo& m) -> std::string {
+    if (request.visibility_error && !m.keeps_to_error) return "keep to an error of visibility (--visibility-error)";
+    return m.cannot ? m.cannot(scene, request) : std::string();
+  };
   const std::string what = fault(method);
   if (what.empty()) return;
   const std::string able = names_of(all, [&](const MethodInfo& m) { return fault(m).empty(); });

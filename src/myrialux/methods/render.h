@@ -87,7 +87,8 @@ struct MethodResult {
   std::vector<Rgb> radiance;                         ///< light from virtual lights, beta not applied
   std::vector<std::uint32_t> slice;                  ///< slice id (slice methods), else empty
   std::vector<float> cut_size, visibility_fraction;  ///< of the receiver's slice, else empty
-  /// The error meter's estimate for the receiver's slice, over the frame's mean; empty: no meter.
+  /// The error meter's estimate for the receiver's slice, root mean square over the frame's mean radiance; 0 where the
+  /// slice was traced whole. Empty: no meter.
   std::vector<float> visibility_error;
 };
 
@@ -103,6 +104,7 @@ using Preparation = std::function<Method(const World&, const VirtualLights&, flo
 struct MethodRequest {
   bool lights_from_file = false;  ///< RenderParams::lights_file
   bool auto_clusters = false;     ///< RenderParams::auto_clusters
+  bool visibility_error = false;  ///< RenderParams::visibility_error is given
 };
 
 struct MethodInfo {
@@ -116,6 +118,7 @@ struct MethodInfo {
   std::uint32_t n_clusters = 1000;  ///< default of --clusters
   /// Of methods whose result for a pixel depends on no other pixel's receivers; else empty.
   Preparation prepare = {};
+  bool keeps_to_error = false;  ///< takes account of MethodParams::visibility_error
 };
 /// All methods, in the order of the documentation.
 const std::vector<MethodInfo>& all_methods();

@@ -40,8 +40,9 @@ SliceLoop::SliceLoop(const FrameView& frame, const MethodParams& params, const S
 }
 
 void SliceLoop::run(Progress& progress) {
-  if (has_meter()) result.visibility_error.resize(frame_.receivers.size());
   if (!has_meter()) slack_ = 0;  // without a pilot, or where it is black, nobody knows what copies would do
+  // Where no slack is small enough all is traced, and the error is known to be 0.
+  if (has_meter() && method_.largest_error > 0) result.visibility_error.resize(frame_.receivers.size());
   parallel_for(slices_.size(), [&](std::size_t s) {
     if (in_pilot(s)) return;
     render(s);
@@ -68,7 +69,7 @@ void SliceLoop::render(std::size_t s) {
 
   shade(s, columns, visible);
   report.shade_s = cpu.lap();
-  report.rays = source.rays() + report.meter.rays + report.meter.discarded_rays;
+  report.rays = source.rays() + report.meter.rays + report.meter.more_rays;
   report.columns = columns.size();
   report.memory_bytes = source.memory_bytes() + visible.n_words() * sizeof(std::uint64_t);
 }
@@ -88,12 +89,12 @@ void SliceLoop::complete(std::size_t s, std::span<const Column> columns, SliceVi
   Rng rng(params_.key, Stage::error_meter, s);
   report.meter = measure_errors(slice, visible, rng);
   if (!is_redone(report.meter, slice.rows.size())) return;
-  const std::uint64_t n_rays = report.meter.rays, n_traced = report.completion.traced;
+  const std::uint64_t n_rays = report.meter.rays + report.meter.more_rays, n_traced = report.completion.traced;
   visible = BitMatrix(visible.n_rows(), visible.n_columns());
   report.completion = complete_with(source, s, kRedoneSlack * slack_, visible);
   report.completion.traced += n_traced;
   report.meter = measure_errors(slice, visible, rng);
-  report.meter.discarded_rays = n_rays;
+  report.meter.more_rays += n_rays;
   report.redone = true;
 }
 
@@ -104,15 +105,17 @@ CompletedSlice SliceLoop::completed_slice(std::size_t s, std::span<const Column>
           .rows = slices_.rows(s),
           .lights = frame_.lights,
           .columns = columns,
+          .source = source,
           .active = source.active_matrix(),
           .clamp_distance = params_.cut.clamp_distance,
-          .unit = mean_radiance_};
+          .unit = mean_radiance_,
+          .spp = static_cast<std::uint32_t>(frame_.spp)};
 }
 
 bool SliceLoop::is_redone(const MeterReading& meter, std::size_t n_rows) const {
-  if (meter.false_visible + meter.false_occluded < kLeastWrongRays) return false;
+  if (meter.wrong_by_energy < kLeastWrongRays) return false;
   const double limit = kRedoneAbove * static_cast<double>(method_.largest_error);
-  return pilot_errors_.ratio() * meter.squares / static_cast<double>(n_rows) > limit * limit;
+  return mean_square(meter.squares, static_cast<double>(n_rows)) > limit * limit;
 }
 
 /// Tells the source what the method wants to know of columns and entries.
@@ -141,14 +144,15 @@ void SliceLoop::store(std::size_t s, std::size_t n_columns, std::span<const Rgb>
   const SliceReport& report = reports_[s];
   const CompletionStats& c = report.completion;
   const float fraction = c.entries > 0 ? static_cast<float>(c.traced) / static_cast<float>(c.entries) : 0.0f;
-  const double square = pilot_errors_.ratio() * report.meter.squares / static_cast<double>(rows.size());
+  const double square = mean_square(report.meter.squares, static_cast<double>(rows.size()));
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const std::size_t i = index(rows[k]);
     result.radiance[i] = radiance[k];
     result.slice[i] = static_cast<std::uint32_t>(s);
     result.cut_size[i] = static_cast<float>(n_columns);
     result.visibility_fraction[i] = fraction;
-    if (!result.visibility_error.empty()) result.visibility_error[i] = static_cast<float>(std::sqrt(square));
+    if (!result.visibility_error.empty())
+      result.visibility_error[i] = static_cast<float>(std::sqrt(std::max(0.0, square)));
   }
 }
 
@@ -188,26 +192,38 @@ void SliceLoop::finish(double loop_wall_s, RenderStats& stats, RenderStats::Visi
   v.meter += meter;
 }
 
+/// Radiance that the meter counts as 1, over the mean of the frame, which is known now: the pilot's slices are few.
+double SliceLoop::unit_of_frame() const {
+  double sum = 0;
+  for (std::size_t i = 0; i < result.radiance.size(); ++i)
+    sum += static_cast<double>(luminance(frame_.receivers.beta[i] * result.radiance[i]));
+  const double mean = sum / static_cast<double>(std::max<std::size_t>(1, result.radiance.size()));
+  return mean > 0 ? static_cast<double>(mean_radiance_) / mean : 1;
+}
+
 /// Squares and bias are sums over slices, whose scatter tells how sure they are.
-void SliceLoop::add_meter(RenderStats::Visibility::Meter& meter) const {
+void SliceLoop::add_meter(RenderStats::Visibility::Meter& meter) {
+  const double unit = unit_of_frame();
+  for (float& error : result.visibility_error) error *= static_cast<float>(unit);
   double squares = 0, squares2 = 0, bias = 0, bias2 = 0, n_rows = 0;
   for (std::size_t s = 0; s < reports_.size(); ++s) {
     const SliceReport& r = reports_[s];
     meter.rays += r.meter.rays;
+    meter.more_rays += r.meter.more_rays;
     meter.wrong += r.meter.false_visible + r.meter.false_occluded;
     meter.redone_slices += r.redone ? 1 : 0;
     squares += r.meter.squares, squares2 += r.meter.squares * r.meter.squares;
     bias += r.meter.bias, bias2 += r.meter.bias * r.meter.bias;
     n_rows += static_cast<double>(slices_.rows(s).size());
   }
-  const double n = static_cast<double>(reports_.size()), ratio = pilot_errors_.ratio() / n_rows;
+  const double n = static_cast<double>(reports_.size()), scale = mean_square(unit * unit, n_rows);
   meter.slices = reports_.size();
-  meter.error_square = ratio * squares;
-  meter.error_square_variance = ratio * ratio * std::max(0.0, squares2 - squares * squares / n);
-  meter.bias = bias / n_rows;
-  meter.bias_variance = std::max(0.0, bias2 - bias * bias / n) / (n_rows * n_rows);
+  meter.error_square = scale * squares;
+  meter.error_square_variance = scale * scale * std::max(0.0, squares2 - squares * squares / n);
+  meter.bias = unit * bias / n_rows;
+  meter.bias_variance = unit * unit * std::max(0.0, bias2 - bias * bias / n) / (n_rows * n_rows);
   meter.slack = static_cast<double>(slack_);
-  meter.pilot_error = std::sqrt(pilot_errors_.square);
+  meter.pilot_error = pilot_error_;
 }
 
 }  // namespace myrialux

@@ -47,13 +47,6 @@ class SliceLoop {
   MethodResult result;
 
  private:
-  struct PilotErrors {
-    double square = 0;        ///< mean over pixels, over the squared mean radiance
-    double wrong_square = 0;  ///< mean over rows of the sum of squared energies of wrong entries
-    /// From the second to the first: wrong entries of a row add up, those of a pixel's rows partly cancel.
-    double ratio() const { return wrong_square > 0 && square > 0 ? square / wrong_square : 1; }
-  };
-
   void render(std::size_t s);
   void render_pilot(std::size_t k);
   void complete(std::size_t s, std::span<const Column> columns, SliceVisibility& source, BitMatrix& visible);
@@ -70,9 +63,12 @@ class SliceLoop {
   double pixel_squares(std::span<const ReceiverId> rows, std::span<const Rgb> truth, std::span<const Rgb> other) const;
   std::size_t pilot_slice(std::size_t k) const { return first_pilot_ + k * pilot_stride_; }
   bool in_pilot(std::size_t s) const { return !pilot_.empty() && s % pilot_stride_ == first_pilot_; }
+  /// Mean over pixels, from the sum of their squares.
+  double mean_square(double squares, double n_rows) const { return squares / (n_rows * frame_.spp); }
   bool has_meter() const { return method_.complete_within && mean_radiance_ > 0; }
 
-  void add_meter(RenderStats::Visibility::Meter& meter) const;
+  double unit_of_frame() const;
+  void add_meter(RenderStats::Visibility::Meter& meter);
 
   const FrameView& frame_;
   const MethodParams& params_;
@@ -86,7 +82,7 @@ class SliceLoop {
   float mean_radiance_ = 0;  ///< of the pilot, beta included; 0: no pilot
   float guess_limit_ = 0;    ///< weight of an entry, radiance; 0: all may be guessed
   float slack_ = 1;          ///< of complete_within; 0: all is traced
-  PilotErrors pilot_errors_;
+  double pilot_error_ = 0;   ///< of the pilot with that slack: root mean square over pixels, over the mean radiance
 };
 
 }  // namespace myrialux

@@ -142,14 +142,13 @@ void SliceLoop::choose_slack() {
   if (good > 0 && bad > 0 && good_error > 0 && bad_error > good_error)
     slack *= std::pow(bad / good, std::log(limit / good_error) / std::log(bad_error / good_error));
   // Errors scatter: what lies between the two may err more than the better one.
-  if (slack > good && std::sqrt(pilot_square(static_cast<float>(slack))) > limit) slack = good;
-  slack_ = static_cast<float>(slack);
+  const double error = slack > good ? std::sqrt(pilot_square(static_cast<float>(slack))) : good_error;
+  slack_ = static_cast<float>(error <= limit ? slack : good);
+  pilot_error_ = error <= limit ? error : good_error;
 }
 
 /// Completes the pilot's slices as all others will be, only to see what goes wrong, and forgets them.
 void SliceLoop::check_pilot() {
-  std::vector<double> wrong_squares(pilot_.size());
-  double n_rows = 0;
   parallel_for(pilot_.size(), [&](std::size_t k) {
     const PilotSlice& slice = pilot_[k];
     const std::size_t s = pilot_slice(k);
@@ -165,15 +164,8 @@ void SliceLoop::check_pilot() {
         report.false_occluded += static_cast<std::uint64_t>(std::popcount(true_bits[w] & ~bits[w]));
       }
     }
-    if (has_meter())
-      wrong_squares[k] = sum_wrong_squares(completed_slice(s, slice.columns, *slice.source), completed, slice.truth);
     report.complete_s += cpu.lap();
   });
-  if (!has_meter()) return;
-  for (const double square : wrong_squares) pilot_errors_.wrong_square += square;
-  for (std::size_t k = 0; k < pilot_.size(); ++k) n_rows += static_cast<double>(slices_.rows(pilot_slice(k)).size());
-  pilot_errors_.wrong_square /= n_rows;
-  pilot_errors_.square = slack_ > 0 ? pilot_square(slack_) : 0;
 }
 
 }  // namespace myrialux

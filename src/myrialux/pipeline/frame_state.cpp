@@ -8,20 +8,24 @@
 namespace myrialux {
 namespace {
 
+/// What a method must tell for a layer to be there.
+enum class Needs : std::uint8_t { nothing, slices, errors };
+
 struct LayerKind {
   std::string name;
   std::vector<std::string> channels;
-  bool of_slices;  ///< only methods with slices have it
+  Needs needs = Needs::nothing;
 };
 
 const std::vector<LayerKind>& layer_kinds() {
-  static const std::vector<LayerKind> kinds = {{"", {"R", "G", "B"}, false},
-                                               {"albedo", {"R", "G", "B"}, false},
-                                               {"normal", {"X", "Y", "Z"}, false},
-                                               {"depth", {"Z"}, false},
-                                               {"slice", {"id"}, true},
-                                               {"cut", {"size"}, true},
-                                               {"visibility", {"fraction"}, true}};
+  static const std::vector<LayerKind> kinds = {{"", {"R", "G", "B"}},
+                                               {"albedo", {"R", "G", "B"}},
+                                               {"normal", {"X", "Y", "Z"}},
+                                               {"depth", {"Z"}},
+                                               {"slice", {"id"}, Needs::slices},
+                                               {"cut", {"size"}, Needs::slices},
+                                               {"visibility", {"fraction"}, Needs::slices},
+                                               {"error", {"visibility"}, Needs::errors}};
   return kinds;
 }
 
@@ -30,8 +34,11 @@ const LayerKind& layer_kind(const std::string& name) {
   return *std::find_if(kinds.begin(), kinds.end(), [&](const LayerKind& kind) { return kind.name == name; });
 }
 
-bool is_wanted(const LayerKind& kind, const std::vector<std::string>& aovs) {
-  return kind.name.empty() || aovs.empty() || std::find(aovs.begin(), aovs.end(), kind.name) != aovs.end();
+/// Is a layer asked for, and can it be had?
+bool has_layer(const LayerKind& kind, const std::vector<std::string>& aovs, bool has_slices, bool has_errors) {
+  const bool is_known = kind.needs == Needs::nothing || (kind.needs == Needs::slices ? has_slices : has_errors);
+  return is_known &&
+         (kind.name.empty() || aovs.empty() || std::find(aovs.begin(), aovs.end(), kind.name) != aovs.end());
 }
 
 }  // namespace
@@ -69,6 +76,8 @@ void FrameState::add_slices(const Receivers& receivers, const MethodResult& meth
   if (method.slice.empty()) return;
   const std::size_t spp = static_cast<std::size_t>(samples_a_pixel);
   has_slices_ = true;
+  const bool has_errors = !method.visibility_error.empty();
+  has_errors_ |= has_errors;
   // Receivers are ordered by camera sample, so those of a run of pixels lie together.
   constexpr std::size_t kPixels = 4096;
   parallel_for((pixels_.size() + kPixels - 1) / kPixels, [&](std::size_t block) {
@@ -80,15 +89,16 @@ void FrameState::add_slices(const Receivers& receivers, const MethodResult& meth
       PixelSums& pixel = pixels_[receivers.sample[i] / spp];
       if (pixel.slice < 0) pixel.slice = static_cast<float>(method.slice[i]);
       pixel.cut += method.cut_size[i], pixel.visibility += method.visibility_fraction[i];
+      if (has_errors) pixel.error += method.visibility_error[i];
       ++pixel.n_receivers;
     }
   });
 }
 
-std::size_t FrameState::n_channels(const std::vector<std::string>& aovs, bool has_slices) {
+std::size_t FrameState::n_channels(const std::vector<std::string>& aovs, bool has_slices, bool has_errors) {
   std::size_t n = 0;
   for (const LayerKind& kind : layer_kinds())
-    if (is_wanted(kind, aovs) && (has_slices || !kind.of_slices)) n += kind.channels.size();
+    if (has_layer(kind, aovs, has_slices, has_errors)) n += kind.channels.size();
   return n;
 }
 
@@ -98,7 +108,7 @@ Picture FrameState::picture(const std::vector<std::string>& aovs) const {
   // Pixel by pixel: `fill(pixel, out)` writes the layer's channels.
   const auto add = [&](const char* name, auto&& fill) {
     const LayerKind& kind = layer_kind(name);
-    if (!is_wanted(kind, aovs) || (kind.of_slices && !has_slices_)) return;
+    if (!has_layer(kind, aovs, has_slices_, has_errors_)) return;
     const std::size_t n = kind.channels.size();
     Picture::Layer& layer = picture.add_layer(name, kind.channels);
     parallel_for(
@@ -121,6 +131,7 @@ Picture FrameState::picture(const std::vector<std::string>& aovs) const {
   add("slice", [&](std::size_t, const PixelSums& p, float* out) { out[0] = p.slice; });
   add("cut", [&](std::size_t, const PixelSums& p, float* out) { out[0] = mean(p.cut, p.n_receivers); });
   add("visibility", [&](std::size_t, const PixelSums& p, float* out) { out[0] = mean(p.visibility, p.n_receivers); });
+  add("error", [&](std::size_t, const PixelSums& p, float* out) { out[0] = mean(p.error, p.n_receivers); });
   return picture;
 }
 

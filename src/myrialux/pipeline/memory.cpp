@@ -46,9 +46,10 @@ Bytes bits_bytes(const FrameExtent& f) { return n_columns(f) * ((Bytes(f.slice_r
 /// completion, which grows by doubling. A column besides: the cut's heap, columns, shadow and shading lights and lobes.
 Bytes slice_bytes(const FrameExtent& f) {
   if (f.has_packets) return n_columns(f) * kPacketCutBytes;
-  constexpr Bytes kRow = 200, kColumn = 500, kMatrices = 7, kTable = 256;
+  constexpr Bytes kRow = 200, kColumn = 500, kTable = 256;
+  const Bytes matrices = f.has_errors ? 9 : 7;  // the meter's sums are four bytes for each block of 16 rows
   const Bytes glossy = std::min<Bytes>(n_columns(f), f.n_glossy);
-  return kRow * f.slice_rows + n_columns(f) * kColumn + kMatrices * bits_bytes(f) + glossy * kTable +
+  return kRow * f.slice_rows + n_columns(f) * kColumn + matrices * bits_bytes(f) + glossy * kTable +
          n_columns(f) * f.slice_rows * f.completion_bytes;
 }
 
@@ -96,8 +97,9 @@ Parts pass_parts(const FrameExtent& f) {
   constexpr Bytes kSlicePoint = 28, kOrder = sizeof(ReceiverId);
   const Bytes samples = n_samples(f), lights = f.n_lights * kLight + f.n_glossy * kGlossy;
   const Bytes tree = f.n_lights * kTreeLight + f.n_glossy * 2 * sizeof(GlossyNode);
-  // Of every receiver: radiance; with slices also slice, cut size, visibility. A slice's report is 1/8 byte a row.
-  const Bytes result = samples * (f.has_slices ? 24 + 1 : 12 + 1);
+  // Of every receiver: radiance; with slices also slice, cut size, visibility, its error. A slice's report is 1/8 byte
+  // a row.
+  const Bytes result = samples * ((f.has_slices ? 24 + 1 : 12 + 1) + (f.has_errors ? 4 : 0));
   Parts base;
   base.film = n_pixels(f) * FrameState::bytes_a_pixel();
   base.receivers = samples * (kReceiverBytes + kSampleBytes);

@@ -16,6 +16,7 @@ struct FrameExtent {
   std::uint32_t completion_bytes = 0;         ///< working space of the completion for each entry of a slice
   bool has_point_tree = false;                ///< of all receivers; then slices are small blocks of them
   bool has_pilot = false;                     ///< some slices' bits are kept (SliceMethod::guard)
+  bool has_errors = false;                    ///< of visibility, estimated slice by slice
   bool has_packets = false;                   ///< a cut a receiver in place of one a slice (lightcuts)
   int width = 0, height = 0, spp = 1, passes = 1;
   std::uint64_t n_lights = 0, n_glossy = 0;  ///< virtual lights of a pass, and how many of them are glossy

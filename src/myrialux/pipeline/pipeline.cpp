@@ -74,7 +74,10 @@ RenderOutput render(const Scene& scene, const RenderParams& params, Progress& pr
   const MethodInfo& method = find_method(params.method);
   const Settings settings = settle(scene, params);
   require_renderable(scene);
-  require_able(method, scene, {.lights_from_file = !params.lights_file.empty(), .auto_clusters = params.auto_clusters});
+  require_able(method, scene,
+               {.lights_from_file = !params.lights_file.empty(),
+                .auto_clusters = params.auto_clusters,
+                .visibility_error = params.visibility_error >= 0});
   const int n_threads = params.threads > 0 ? params.threads : available_threads();
   const ThreadScope threads(n_threads);
 
@@ -134,6 +137,7 @@ Settings settle(const Scene& scene, const RenderParams& params) {
   if (s.render.n_clusters == 0) s.render.n_clusters = find_method(params.method).n_clusters;
   s.tuned.method.cut.n_clusters = s.render.n_clusters;
   s.tuned.method.auto_clusters = params.auto_clusters;
+  if (params.visibility_error >= 0) s.tuned.method.visibility_error = params.visibility_error;
   apply_extra(params.extra, s.tuned);
   s.scene_radius = 0.5f * scene.bounds().diagonal();
   return s;
@@ -171,7 +175,8 @@ MemoryGuard::MemoryGuard(const World& world, const Settings& settings) : limit_(
                                    own.n_slices, settings.tuned.method.slices.block_rows);
     e.reduced_rows = own.n_slices, e.reduced_dimensions = own.n_dimensions;
   }
-  e.n_channels = FrameState::n_channels(p.aovs, e.has_slices && e.has_cuts);
+  e.has_errors = find_method(p.method).keeps_to_error && m.visibility_error > 0;
+  e.n_channels = FrameState::n_channels(p.aovs, e.has_slices && e.has_cuts, e.has_errors);
   std::error_code none;
   if (e.has_lights && p.lights_file.empty()) {
     const LightForecast forecast = forecast_lights(world, light_params(p, 0));
@@ -417,6 +422,8 @@ Metadata describe(const Scene& scene, const Settings& settings, const RenderStat
     m["myrialux.vpls"] = std::to_string(p.n_lights);
     m["myrialux.clusters"] = p.auto_clusters ? "auto" : std::to_string(p.n_clusters);
     if (p.auto_clusters) m["myrialux.clusters_chosen"] = std::to_string(stats.clusters_auto.chosen);
+    if (find_method(p.method).keeps_to_error)
+      m["myrialux.visibility_error"] = fmt::format("{}", settings.tuned.method.visibility_error);
     m["myrialux.direct"] = p.direct == RenderParams::Direct::vpl ? "vpl" : "sampled";
     if (p.clamp_distance >= 0)
       m["myrialux.clamp_distance"] = fmt::format("{}", p.clamp_distance);

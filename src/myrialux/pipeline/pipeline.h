@@ -16,6 +16,7 @@ struct RenderParams {
   std::uint64_t n_lights = 100000;
   std::uint32_t n_clusters = 0;  ///< 0: MethodInfo::n_clusters
   bool auto_clusters = false;    ///< chosen in the first pass instead, see methods/auto_clusters.h
+  float visibility_error = -1;   ///< 0 to 1, see MethodParams; negative: not given
   int max_depth = 0;             ///< 0: as the scene says; -1: no limit
   enum class Direct { vpl, sampled } direct = Direct::vpl;
   float clamp = 0.02f;        ///< fraction of the robust scene radius; 0 = off
@@ -30,7 +31,7 @@ struct RenderParams {
   std::map<std::string, std::string> extra;  ///< -D key=value
   Filter filter;                             ///< used if has_filter, else the scene's
   bool has_filter = false;
-  std::vector<std::string> aovs;  ///< empty: all of albedo normal depth slice cut visibility
+  std::vector<std::string> aovs;  ///< empty: all of albedo normal depth slice cut visibility error
 };
 
 struct RenderOutput {

@@ -33,6 +33,7 @@ Json meter_json(const RenderStats::Visibility::Meter& m) {
   if (m.rays == 0) return nullptr;
   const MeterErrors errors = meter_errors(m);
   return {{"rays", m.rays},
+          {"more_rays", m.more_rays},
           {"wrong", interval_json(errors.wrong, errors.wrong_interval)},
           {"error", interval_json(errors.error, errors.error_interval)},
           {"bias", interval_json(errors.bias, errors.bias_interval)},
@@ -75,8 +76,9 @@ MeterErrors meter_errors(const RenderStats::Visibility::Meter& m) {
   e.wrong_interval = share_interval(m.wrong, m.rays);
   const double half_square = kNormal95 * std::sqrt(m.error_square_variance),
                half_bias = kNormal95 * std::sqrt(m.bias_variance);
-  e.error = std::sqrt(m.error_square);
-  e.error_interval = {std::sqrt(std::max(0.0, m.error_square - half_square)), std::sqrt(m.error_square + half_square)};
+  e.error = std::sqrt(std::max(0.0, m.error_square));
+  e.error_interval = {std::sqrt(std::max(0.0, m.error_square - half_square)),
+                      std::sqrt(std::max(0.0, m.error_square + half_square))};
   e.bias = m.bias;
   e.bias_interval = {m.bias - half_bias, m.bias + half_bias};
   return e;

@@ -26,6 +26,7 @@ struct RenderStats {
     /// What the method chose and measured to keep to --visibility-error; sums over passes.
     struct Meter {
       std::uint64_t rays = 0, wrong = 0;  ///< random true rays, and those that contradict the completed bit
+      std::uint64_t more_rays = 0;        ///< by energy, following wrong ones, and of slices completed again
       std::uint64_t slices = 0, redone_slices = 0;
       double error_square = 0;           ///< mean square over pixels, over the mean radiance
       double error_square_variance = 0;  ///< of that estimate
@@ -33,7 +34,8 @@ struct RenderStats {
       double slack = 0;        ///< see with_slack()
       double pilot_error = 0;  ///< true error of the pilot's slices at that slack
       Meter& operator+=(const Meter& o) {
-        rays += o.rays, wrong += o.wrong, slices += o.slices, redone_slices += o.redone_slices;
+        rays += o.rays, wrong += o.wrong, more_rays += o.more_rays, slices += o.slices,
+            redone_slices += o.redone_slices;
         error_square += o.error_square, error_square_variance += o.error_square_variance;
         bias += o.bias, bias_variance += o.bias_variance, slack += o.slack, pilot_error += o.pilot_error;
         return *this;

@@ -1,6 +1,7 @@
-// Entries are drawn by rejection among a row's columns; only wrong ones need their transfer.
+// Entries are drawn evenly, by rejection, and by the energy of their blocks; only wrong ones need their transfer.
 #include "myrialux/visibility/error_meter.h"
 
+#include <algorithm>
 #include <bit>
 #include <utility>
 
@@ -11,51 +12,162 @@
 namespace myrialux {
 namespace {
 
-float energy(const CompletedSlice& s, std::size_t row, std::size_t j) {
-  const ReceiverId i = s.rows[row];
-  const Rgb t = transfer(s.world, s.receivers, i, s.lights, s.columns[j].light, s.clamp_distance);
-  return s.columns[j].weight * luminance(s.receivers.beta[index(i)] * t) / s.unit;
+/// Of EntrySource::block_energies().
+constexpr std::size_t kRowsInBlock = 16, kBlocksInWord = 64 / kRowsInBlock;
+
+/// Columns drawn by what they may bring to a block of rows: half of them in proportion, half evenly, as bounds of
+/// blocks can be loose by far, and an error found against all odds would count for too much.
+class EnergyDraw {
+ public:
+  explicit EnergyDraw(const EntrySource& source);
+  /// May bring anything.
+  bool any(std::size_t row) const { return sums_of(row).back() > 0; }
+  /// @param u in [0, 1)
+  std::size_t column(std::size_t row, float u) const;
+  double probability(std::size_t row, std::size_t j) const;
+
+ private:
+  std::span<const float> sums_of(std::size_t row) const {
+    return std::span(sums_).subspan(row / kRowsInBlock * stride_, stride_);
+  }
+  std::size_t stride_;
+  std::vector<float> sums_;  ///< [blocks x (columns + 1)], of the columns before
+};
+
+EnergyDraw::EnergyDraw(const EntrySource& source) : stride_(source.n_columns() + 1) {
+  const std::size_t n_blocks = (source.n_rows() + 63) / 64 * kBlocksInWord;  // whole words of rows
+  std::vector<float> energies(n_blocks);
+  sums_.resize(n_blocks * stride_);
+  for (std::size_t j = 0; j + 1 < stride_; ++j) {
+    source.block_energies(j, energies);
+    for (std::size_t b = 0; b < n_blocks; ++b) sums_[b * stride_ + j + 1] = sums_[b * stride_ + j] + energies[b];
+  }
+  for (std::size_t b = 0; b < n_blocks; ++b) {
+    const std::span<float> sums = std::span(sums_).subspan(b * stride_, stride_);
+    const float mean = sums.back() / static_cast<float>(stride_ - 1);
+    for (std::size_t j = 1; j < stride_; ++j) sums[j] += static_cast<float>(j) * mean;
+  }
 }
 
-bool is_visible(const CompletedSlice& s, std::size_t row, std::size_t j) {
-  const Segment segment = shadow_segment(s.receivers, s.rows[row], s.lights, s.columns[j].light);
-  return segment.distant ? !s.world.tracer.occluded_direction(segment.from, segment.to)
-                         : !s.world.tracer.occluded(segment.from, segment.to);
+std::size_t EnergyDraw::column(std::size_t row, float u) const {
+  const std::span<const float> sums = sums_of(row);
+  const float at = u * sums.back();
+  const auto after = std::upper_bound(sums.begin() + 1, sums.end() - 1, at);
+  return static_cast<std::size_t>(after - sums.begin()) - 1;
+}
+
+double EnergyDraw::probability(std::size_t row, std::size_t j) const {
+  const std::span<const float> sums = sums_of(row);
+  return static_cast<double>(sums[j + 1] - sums[j]) / static_cast<double>(sums.back());
+}
+
+class Meter {
+ public:
+  Meter(const CompletedSlice& slice, const BitMatrix& visible, Rng& rng)
+      : s_(slice), visible_(visible), rng_(rng), n_active_(bits_of_rows(slice.active)), by_energy_(slice.source) {}
+  MeterReading read();
+
+ private:
+  void look_evenly(std::size_t row);
+  void look_by_energy(std::size_t row);
+  bool is_wrong(std::size_t row, std::size_t j) const;
+  double error(std::size_t row, std::size_t j) const;
+  double draw_error(std::size_t row, std::size_t known_row, std::size_t known_column);
+  double follow(std::size_t row, std::size_t j);
+  std::uint32_t pixel(std::size_t row) const { return s_.receivers.sample[index(s_.rows[row])] / s_.spp; }
+  std::span<const std::uint32_t> rows_of_pixel(std::size_t row);
+
+  const CompletedSlice& s_;
+  const BitMatrix& visible_;
+  Rng& rng_;
+  const std::vector<std::uint32_t> n_active_;
+  const EnergyDraw by_energy_;
+  std::vector<std::uint32_t> by_pixel_;  ///< rows that have active entries, pixel by pixel; made when first needed
+  MeterReading reading_;
+};
+
+MeterReading Meter::read() {
+  const std::uint32_t first = rng_.below(kRowsByEnergy);
+  for (std::size_t row = 0; row < s_.rows.size(); ++row) {
+    if (n_active_[row] == 0) continue;
+    look_evenly(row);
+    if (row % kRowsByEnergy == first) look_by_energy(row);
+  }
+  return reading_;
+}
+
+void Meter::look_evenly(std::size_t row) {
+  const auto n_columns = static_cast<std::uint32_t>(s_.columns.size());
+  std::size_t j = rng_.below(n_columns);
+  while (!s_.active.test(row, j)) j = rng_.below(n_columns);
+  ++reading_.rays;
+  if (is_wrong(row, j)) ++(visible_.test(row, j) ? reading_.false_visible : reading_.false_occluded);
+}
+
+void Meter::look_by_energy(std::size_t row) {
+  if (!by_energy_.any(row)) return;
+  const std::size_t j = by_energy_.column(row, rng_.next());
+  if (!s_.active.test(row, j)) return;  // its error is 0
+  ++reading_.more_rays;
+  if (!is_wrong(row, j)) return;
+  ++reading_.wrong_by_energy;
+  const double e = kRowsByEnergy * error(row, j) / by_energy_.probability(row, j);
+  reading_.bias += e;
+  reading_.squares += e * follow(row, j);
+}
+
+bool Meter::is_wrong(std::size_t row, std::size_t j) const {
+  const Segment segment = shadow_segment(s_.receivers, s_.rows[row], s_.lights, s_.columns[j].light);
+  const bool occluded = segment.distant ? s_.world.tracer.occluded_direction(segment.from, segment.to)
+                                        : s_.world.tracer.occluded(segment.from, segment.to);
+  return visible_.test(row, j) == occluded;
+}
+
+/// What an entry that is wrong adds to its row.
+double Meter::error(std::size_t row, std::size_t j) const {
+  const ReceiverId i = s_.rows[row];
+  const Rgb t = transfer(s_.world, s_.receivers, i, s_.lights, s_.columns[j].light, s_.clamp_distance);
+  const float energy = s_.columns[j].weight * luminance(s_.receivers.beta[index(i)] * t) / s_.unit;
+  return static_cast<double>(visible_.test(row, j) ? energy : -energy);
+}
+
+/// Estimates the error of a row by one entry, that of an entry known left out.
+double Meter::draw_error(std::size_t row, std::size_t known_row, std::size_t known_column) {
+  if (!by_energy_.any(row)) return 0;
+  const std::size_t j = by_energy_.column(row, rng_.next());
+  if (!s_.active.test(row, j) || (row == known_row && j == known_column)) return 0;
+  ++reading_.more_rays;
+  return is_wrong(row, j) ? error(row, j) / by_energy_.probability(row, j) : 0;
+}
+
+/// Estimates the error of the row's pixel. That of entry (row, j), found wrong, is known; all others are drawn, the
+/// same number in each of the pixel's rows.
+double Meter::follow(std::size_t row, std::size_t j) {
+  const std::span<const std::uint32_t> rows = rows_of_pixel(row);
+  const std::uint32_t n_rays = std::max(1u, kFollowingRays / static_cast<std::uint32_t>(rows.size()));
+  double sum = 0;
+  for (const std::uint32_t other : rows)
+    for (std::uint32_t k = 0; k < n_rays; ++k) sum += draw_error(other, row, j);
+  return error(row, j) + sum / n_rays;
+}
+
+std::span<const std::uint32_t> Meter::rows_of_pixel(std::size_t row) {
+  const auto less = [&](std::uint32_t a, std::uint32_t b) { return pixel(a) < pixel(b); };
+  if (by_pixel_.empty()) {
+    for (std::uint32_t r = 0; r < n_active_.size(); ++r)
+      if (n_active_[r] > 0) by_pixel_.push_back(r);
+    std::stable_sort(by_pixel_.begin(), by_pixel_.end(), less);
+  }
+  const auto [begin, end] = std::equal_range(by_pixel_.begin(), by_pixel_.end(), static_cast<std::uint32_t>(row), less);
+  return {begin, end};
 }
 
 }  // namespace
 
 MeterReading measure_errors(const CompletedSlice& s, const BitMatrix& visible, Rng& rng) {
-  MYRIALUX_ASSERT(visible.n_rows() == s.rows.size() && visible.n_columns() == s.columns.size() && s.unit > 0);
-  const auto n_columns = static_cast<std::uint32_t>(s.columns.size());
-  const std::vector<std::uint32_t> n_active = bits_of_rows(s.active);
-  MeterReading reading;
-  for (std::size_t row = 0; row < s.rows.size(); ++row) {
-    if (n_active[row] == 0) continue;
-    std::size_t j = rng.below(n_columns);
-    while (!s.active.test(row, j)) j = rng.below(n_columns);
-    ++reading.rays;
-    const bool truth = is_visible(s, row, j), completed = visible.test(row, j);
-    if (truth == completed) continue;
-    ++(completed ? reading.false_visible : reading.false_occluded);
-    const double e = energy(s, row, j), n = n_active[row];
-    reading.squares += n * e * e;
-    reading.bias += completed ? n * e : -n * e;
-  }
-  return reading;
-}
-
-double sum_wrong_squares(const CompletedSlice& s, const BitMatrix& visible, const BitMatrix& truth) {
-  double sum = 0;
-  for (std::size_t j = 0; j < s.columns.size(); ++j) {
-    const Words a = visible.column(j), b = truth.column(j);
-    for (std::size_t w = 0; w < a.size(); ++w)
-      for (std::uint64_t wrong = a[w] ^ b[w]; wrong != 0; wrong &= wrong - 1) {
-        const double e = energy(s, w * 64 + static_cast<std::size_t>(std::countr_zero(wrong)), j);
-        sum += e * e;
-      }
-  }
-  return sum;
+  MYRIALUX_ASSERT(visible.n_rows() == s.rows.size() && visible.n_columns() == s.columns.size());
+  MYRIALUX_ASSERT(s.unit > 0 && s.spp > 0);
+  return Meter(s, visible, rng).read();
 }
 
 /// Counters of 64 rows at a time, bit by bit: plane k holds bit k of the counts.

@@ -1,44 +1,56 @@
-// How wrong completed bits are, told by a few true rays: one random entry a row.
+// How wrong completed bits are, told by a few true rays: two random entries a row, and more where one is wrong.
 #pragma once
 
 #include "myrialux/clusters/cut.h"
-#include "myrialux/matrix/bit_matrix.h"
+#include "myrialux/matrix/entry_source.h"
 
 namespace myrialux {
 
-/// Sums over the rows that were looked at; they add up over slices. Energies are luminances W T beta over a unit.
+/// One row of so many is looked at by energy, too.
+inline constexpr std::uint32_t kRowsByEnergy = 4;
+/// Rays that follow a wrong one found there, spread over the rows of its pixel.
+inline constexpr std::uint32_t kFollowingRays = 256;
+
+/// Sums over the rows that were looked at; they add up over slices. Energies are luminances W T beta over a unit, the
+/// error of a row is the sum over its entries of energy (completed - true).
 struct MeterReading {
   std::uint64_t rays = 0;  ///< one a row that has active entries
   std::uint64_t false_visible = 0, false_occluded = 0;
-  std::uint64_t discarded_rays = 0;  ///< of completions that were done again
-  double squares = 0;                ///< estimates the sum over rows and wrong entries of energy^2
-  double bias = 0;                   ///< the sum over rows and entries of energy (completed - true)
+  std::uint64_t more_rays = 0;        ///< by energy, following wrong ones, and all of completions that were done again
+  std::uint64_t wrong_by_energy = 0;  ///< wrong entries on which squares and bias rest
+  double squares = 0;                 ///< estimates the sum over pixels of (sum of their rows' errors)^2
+  double bias = 0;                    ///< the sum over rows of their errors
   MeterReading& operator+=(const MeterReading& o) {
-    rays += o.rays, discarded_rays += o.discarded_rays, false_visible += o.false_visible,
-        false_occluded += o.false_occluded;
+    rays += o.rays, more_rays += o.more_rays, wrong_by_energy += o.wrong_by_energy;
+    false_visible += o.false_visible, false_occluded += o.false_occluded;
     squares += o.squares, bias += o.bias;
     return *this;
   }
 };
 
-/// A slice with its bits, completed or true.
+/// A slice and what can be known of it.
 struct CompletedSlice {
   const World& world;
   const Receivers& receivers;
   std::span<const ReceiverId> rows;
   const VirtualLights& lights;
   std::span<const Column> columns;
-  const BitMatrix& active;  ///< [rows x columns]
+  const EntrySource& source;  ///< tells what blocks may bring
+  const BitMatrix& active;    ///< [rows x columns]
   float clamp_distance = 0;
-  float unit = 1;  ///< radiance that counts as energy 1; > 0
+  float unit = 1;         ///< radiance that counts as energy 1; > 0
+  std::uint32_t spp = 1;  ///< receivers of one pixel: Receivers::sample / spp
 };
 
-/// Holds one active entry of each row, chosen evenly among the row's, against its ray. Unbiased in all five numbers;
-/// the share of wrong entries is the mean over rows of their own shares. Cost: a scattered ray a row.
+/// Holds random entries against their rays, in two ways. One of each row, chosen evenly among its active ones, tells
+/// how many are wrong: the share of wrong entries is the mean over rows of their own shares. One of every fourth row,
+/// drawn half evenly and half by the energy of its block, tells what wrong ones add: where errors come from a handful
+/// of bright entries, evenly chosen ones miss them nearly always. The square of a pixel's error is the sum over its
+/// wrong entries of their error times the pixel's: so where such an entry is wrong, kFollowingRays, drawn alike, tell
+/// the pixel's error (of its rows in this slice). Wrong bits of a pixel come together: squares of single entries alone
+/// would tell as little as a tenth. Unbiased in all numbers; `squares` may come out negative. Cost: a scattered ray a
+/// row and a quarter, kFollowingRays for each that is wrong in the quarter, the energies of all blocks.
 MeterReading measure_errors(const CompletedSlice& slice, const BitMatrix& visible, Rng& rng);
-
-/// Of all active entries, where the true bits are known: the sum over rows and wrong entries of energy^2.
-double sum_wrong_squares(const CompletedSlice& slice, const BitMatrix& visible, const BitMatrix& truth);
 
 /// Number of set bits in each row, [n_rows].
 std::vector<std::uint32_t> bits_of_rows(const BitMatrix& bits);
