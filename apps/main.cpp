@@ -141,5 +141,7 @@ Results go to files or stdout, everything else to stderr. NO_COLOR and MYRIALUX_
 int main(int argc, char** argv) {
   // Large arrays go back to the system as soon as they are freed, whatever was freed before: memory can be foretold.
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  // But what a slice needs stays for the next one.
+  mallopt(M_TRIM_THRESHOLD, 4 << 20);
   return myrialux::app::run(argc, argv);
 }

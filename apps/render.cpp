@@ -92,7 +92,7 @@ void add_arguments(CLI::App& c, RenderOptions& o) {
            "Picture to write: .exr (linear, float, all\nlayers), .png .jpg (sRGB curve) or .hdr;\nmay be repeated");
   c.get_option("-o")->required();
   RenderParams& p = o.params;
-  c.add_option("--method", o.method, "How light is gathered; default bamc (list below)")->option_text("NAME");
+  c.add_option("--method", o.method, "How light is gathered; default lbamc (list below)")->option_text("NAME");
   c.add_option("--size", o.size, "Pixels; default: the scene's")->option_text("WxH");
   c.add_option("--spp", p.spp, "Camera samples a pixel and pass; default 4\n(method path: the scene's)")
       ->check(whole_number(1, 1 << 20))

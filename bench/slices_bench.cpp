@@ -1,9 +1,9 @@
 // Visibility of slices, side by side in one process: every active entry traced, against completions with any -D keys,
-// on some slices of a frame at full size. Ratios are of one thread's CPU time; errors are the pixels' own.
-//
-//   slices_bench [--size WxH] [--spp N] [--vpls N] [--clusters N] [--slices N] [--repeat N] [--seed N] [--json]
-//                [--variant "METHOD [key=value]..."]... SCENE.xml...
+// on some slices of a frame at full size. Ratios are of one thread's CPU time (active sets, which all need, left out);
+// errors are the pixels' own, as far as these slices make them. `slices_bench --help` tells the options.
 #include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -35,6 +35,8 @@ struct Options {
 struct Variant {
   std::string text, method;
   TunedParams params;
+  std::size_t every = 1;   ///< of `full`: one block of this many
+  bool scattered = false;  ///< of `full`: one row of it
 };
 
 /// One way to the bits of all slices looked at.
@@ -46,41 +48,34 @@ struct Tally {
   std::vector<Rgb> radiance;  ///< by receiver looked at
 };
 
+constexpr const char* kVariants =
+    "What is compared with tracing all: METHOD key=value ...\n"
+    "lbamc, bamc: keys as -D without the method's name; lbamc also slack=X (energies times X)\n"
+    "full every=N: only every Nth block of 16 rows is traced, in coherent packets\n"
+    "full every=N scattered=1: only one row of each of these, gathered in packets of 16\n";
+
 Options read_options(int argc, char** argv) {
   Options o;
-  const std::vector<std::string> args(argv + 1, argv + argc);
-  for (std::size_t k = 0; k < args.size(); ++k) {
-    const std::string& name = args[k];
-    if (!name.starts_with("--")) {
-      o.scenes.push_back(name);
-      continue;
-    }
-    if (name == "--json") {
-      o.json = true;
-      continue;
-    }
-    if (k + 1 == args.size()) throw Error(ErrorKind::usage, name + ": value missing");
-    const std::string& value = args[++k];
-    if (name == "--size" && std::sscanf(value.c_str(), "%dx%d", &o.width, &o.height) == 2) continue;
-    if (name == "--variant")
-      o.variants.push_back(value);
-    else if (name == "--spp")
-      o.spp = std::stoi(value);
-    else if (name == "--vpls")
-      o.n_lights = std::stoull(value);
-    else if (name == "--clusters")
-      o.n_clusters = static_cast<std::uint32_t>(std::stoul(value));
-    else if (name == "--rows")
-      o.n_rows = static_cast<std::uint32_t>(std::stoul(value));
-    else if (name == "--slices")
-      o.n_slices = static_cast<std::uint32_t>(std::stoul(value));
-    else if (name == "--repeat")
-      o.n_repeats = std::stoi(value);
-    else if (name == "--seed")
-      o.seed = std::stoull(value);
-    else
-      throw Error(ErrorKind::usage, name + ": unknown option; see the head of bench/slices_bench.cpp");
+  std::string size = "1280x720";
+  CLI::App app("Visibility of slices: tracing all against completions, in one process");
+  app.add_option("SCENE", o.scenes, "Scenes")->required();
+  app.add_option("--size", size, "Pixels");
+  app.add_option("--spp", o.spp, "Camera samples a pixel");
+  app.add_option("--vpls", o.n_lights, "Virtual lights");
+  app.add_option("--clusters", o.n_clusters, "Columns a slice");
+  app.add_option("--rows", o.n_rows, "Receivers a slice");
+  app.add_option("--slices", o.n_slices, "Slices looked at, evenly spread over the frame");
+  app.add_option("--repeat", o.n_repeats, "Runs of each, of which the fastest counts");
+  app.add_option("--seed", o.seed, "Random seed");
+  app.add_flag("--json", o.json, "One JSON object a line");
+  app.add_option("--variant", o.variants, kVariants);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    std::exit(app.exit(e));
   }
+  if (std::sscanf(size.c_str(), "%dx%d", &o.width, &o.height) != 2)
+    throw Error(ErrorKind::usage, "--size: expected WxH, got " + size);
   if (o.variants.empty()) o.variants = {"lbamc", "bamc"};
   return o;
 }
@@ -92,13 +87,45 @@ Variant read_variant(const std::string& text) {
   if (v.method != "lbamc" && v.method != "bamc" && v.method != "full")
     throw Error(ErrorKind::usage, "--variant " + text + ": begins with lbamc, bamc or full");
   std::map<std::string, std::string> extra;
+  float slack = 1;
   for (std::string word; words >> word;) {
     const std::size_t equal = word.find('=');
     if (equal == std::string::npos) throw Error(ErrorKind::usage, "--variant: expected key=value, got " + word);
-    extra[v.method + "." + word.substr(0, equal)] = word.substr(equal + 1);
+    const std::string key = word.substr(0, equal), value = word.substr(equal + 1);
+    if (v.method == "full" && key == "every")
+      v.every = std::stoul(value);
+    else if (v.method == "full" && key == "scattered")
+      v.scattered = value == "1";
+    else if (v.method == "lbamc" && key == "slack")
+      slack = std::stof(value);
+    else
+      extra[v.method + "." + key] = value;
   }
   apply_extra(extra, v.params);
+  v.params.method.lbamc = with_slack(v.params.method.lbamc, slack);
   return v;
+}
+
+/// Rows of column j that a variant of `full` traces.
+void choose_rows(const Variant& variant, Words active, std::size_t j, MutableWords wanted) {
+  for (std::size_t w = 0; w < active.size(); ++w) {
+    wanted[w] = 0;
+    for (std::size_t b = 0; b < 4; ++b) {
+      const std::uint64_t rows = active[w] & std::uint64_t{0xffff} << 16 * b;
+      if ((4 * w + b + j) % variant.every == 0) wanted[w] |= variant.scattered ? rows & -rows : rows;
+    }
+  }
+}
+
+CompletionStats trace_some(const Variant& variant, SliceVisibility& slice, BitMatrix& bits) {
+  CompletionStats stats;
+  std::vector<std::uint64_t> wanted(bits.words_per_column());
+  for (std::size_t j = 0; j < slice.n_columns(); ++j) {
+    choose_rows(variant, slice.active(j), j, wanted);
+    stats.entries += count_bits(slice.active(j)), stats.traced += count_bits(wanted);
+    slice.trace(j, wanted, bits.column(j));
+  }
+  return stats;
 }
 
 /// Some slices of a frame: receivers, lights, tree as render() makes them in its first pass.
@@ -176,7 +203,7 @@ void Frame::run_slice(std::size_t k, const Variant& variant, const std::vector<C
     CompletionStats stats;
     const MethodParams& p = variant.params.method;
     if (variant.method == "full")
-      stats = trace_all(slice, bits);
+      stats = variant.every > 1 ? trace_some(variant, slice, bits) : trace_all(slice, bits);
     else if (variant.method == "lbamc")
       stats = complete_localized(slice, p.lbamc, rng, bits);
     else

@@ -67,8 +67,9 @@ def cpu_seconds():
 
 def completion(args, folder):
     print("| scene | traced % of active | relative RMSE % | without 10 worst pixels | without 0.1 % | "
-          f"shadow rays/s, full (M) | visibility + complete s, full | {args.method} | CPU s in all, full | {args.method} |")
-    print("|---|---|---|---|---|---|---|---|---|---|")
+          f"visibility + complete CPU s, full | {args.method} | ratio | CPU s in all, full | {args.method} | ratio |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|")
+    ratios = []
     for scene in args.scenes:
         common = ["--size", args.size, "--spp", args.spp, "--vpls", args.vpls, "--clusters", args.clusters,
                   "--seed", args.seed]
@@ -78,10 +79,14 @@ def completion(args, folder):
         completed, stats = render(args.program, scene, args.method, folder, *common, *args.extra)
         cpu.append(cpu_seconds())
         errors = [relative_rmse(full, completed, n) for n in (0, 10, luminance(full).size // 1000)]
-        v, t, tf = stats["visibility"], stats["time_s"], full_stats["time_s"]
-        print(f"| {scene.parent.name} | {100 * v['fraction']:.1f} | {' | '.join(f'{100 * e:.2f}' for e in errors)} | "
-              f"{full_stats['rays']['shadow'] / tf['visibility'] / 1e6:.1f} | {tf['visibility'] + tf['complete']:.2f} | "
-              f"{t['visibility'] + t['complete']:.2f} | {cpu[1] - cpu[0]:.0f} | {cpu[2] - cpu[1]:.0f} |", flush=True)
+        full_s, s = (sum(x["cpu_s"][stage] for stage in ("visibility", "complete")) for x in (full_stats, stats))
+        all_full_s, all_s = cpu[1] - cpu[0], cpu[2] - cpu[1]
+        ratios.append((full_s / s, all_full_s / all_s))
+        print(f"| {scene.parent.name} | {100 * stats['visibility']['fraction']:.1f} | "
+              f"{' | '.join(f'{100 * e:.2f}' for e in errors)} | {full_s:.1f} | {s:.1f} | {full_s / s:.2f} | "
+              f"{all_full_s:.1f} | {all_s:.1f} | {all_full_s / all_s:.2f} |", flush=True)
+    means = np.exp(np.mean(np.log(ratios), axis=0))
+    print(f"\nGeometric means of the ratios: {means[0]:.2f}, {means[1]:.2f}")
 
 
 def ablations():

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <bit>
+#include <cmath>
 #include <limits>
 
 #include "myrialux/base/error.h"
@@ -168,6 +170,45 @@ TEST(Localized, ShadowsStayInsideTheirRecordedErrors) {
     EXPECT_LT(wrong, r.wrong) << r.name;
     EXPECT_LT(traced, r.traced) << r.name;
     RecordProperty(std::string(r.name) + " wrong", std::to_string(wrong));
+  }
+}
+
+TEST(Localized, DoubtsTellTheShareOfWrongBits) {
+  // Blocks of alike doubts, over scenes and seeds: as many of their copied bits are wrong as they say, to a factor
+  // of 4.
+  std::array<double, 8> foretold{}, wrong{}, bits{};  // by powers of 4
+  for (const test::ShadowScene& scene : {test::two_discs(), test::half_plane(), test::bumpy(test::two_discs())})
+    for (std::uint64_t item = 0; item < 16; ++item) {
+      Rng make({8}, Stage::test, item), rng({1}, Stage::visibility, item);
+      PlacedEntries source(scene.entries(make));
+      BitMatrix visible(source.n_rows(), source.n_columns());
+      BlockDoubts doubts(source.n_rows(), source.n_columns());
+      complete_localized(source, {}, rng, visible, &doubts);
+      for (std::size_t j = 0; j < source.n_columns(); ++j)
+        for (std::size_t b = 0; b < doubts.n_blocks(); ++b) {
+          const std::size_t w = b / kBlocksInWord, shift = b % kBlocksInWord * kRowsInBlock;
+          const auto count = [&](std::uint64_t word) { return std::popcount(word >> shift & 0xffff); };
+          const double doubt = static_cast<double>(doubts(b, j));
+          const int n_wrong = count(std::as_const(visible).column(j)[w] ^ source.truth().column(j)[w]);
+          if (doubt == 0) {
+            ASSERT_EQ(n_wrong, 0) << "all rows are traced";
+            continue;
+          }
+          const auto k = static_cast<std::size_t>(std::clamp(-std::log2(doubt) / 2, 0.0, 7.0));
+          const double n = count(source.active(j)[w]);
+          foretold[k] += doubt * n, wrong[k] += n_wrong, bits[k] += n;
+        }
+    }
+  for (std::size_t k = 0; k < bits.size(); ++k) {
+    if (foretold[k] < 50) continue;  // too few to tell
+    if (k < 4) {
+      EXPECT_LT(wrong[k], 5 * foretold[k]) << "doubts about 4^-" << k;
+      EXPECT_GT(wrong[k], foretold[k] / 5) << "doubts about 4^-" << k;
+    } else {
+      EXPECT_LT(wrong[k], 0.012 * bits[k]) << "doubts about 4^-" << k;  // measured: at most 0.0074
+    }
+    RecordProperty("doubt 4^-" + std::to_string(k),
+                   std::to_string(wrong[k] / foretold[k]) + ", wrong " + std::to_string(wrong[k] / bits[k]));
   }
 }
 

@@ -38,7 +38,7 @@ TEST(Stats, HasTheKeysOfTheContractInOrder) {
   const ordered_json j = ordered_json::parse(to_json(some_stats()));
   EXPECT_THAT(keys(j), ElementsAre("version", "scene", "method", "parameters", "seed", "threads", "isa", "device",
                                    "receivers", "virtual_lights", "slices", "clusters_mean", "clusters_auto", "passes",
-                                   "visibility", "refinement", "rays", "time_s", "memory_bytes", "error",
+                                   "visibility", "refinement", "rays", "time_s", "cpu_s", "memory_bytes", "error",
                                    "clamped_energy_fraction", "warnings"));
   EXPECT_THAT(keys(j["visibility"]),
               ElementsAre("entries", "traced", "fraction", "false_visible_estimate", "false_occluded_estimate",

@@ -23,9 +23,15 @@ constexpr float kColumnsLookedBack = 64;
 /// Least doubt: what happens in a slice has not been seen often enough to say less.
 constexpr float kLeastDoubt = 1e-3f;
 
-/// Copies in columns that their first samples settled are wrong by this share as often as in others (measured: a tenth
-/// to a fiftieth).
+/// What the doubt counts in columns that their first samples settled, where `risk` is weighed: less than their share of
+/// wrong bits, as chosen by speed and error of whole pictures.
 constexpr float kSettledDoubt = 0.01f;
+
+/// Shares of wrong bits among those not traced, for BlockDoubts (measured; docs/methods/lbamc.md): of predicted mixed
+/// blocks, of those traced in some rows, and of uniform blocks over the doubt, with a sample and without, times the
+/// last in settled columns.
+constexpr float kMixedShare = 0.1f, kPartlyShare = 0.1f, kSampledShare = 0.4f, kUnsampledShare = 0.65f,
+                kSettledShare = 0.1f;
 
 /// The 16 rows of a block.
 std::uint32_t block_of(Words rows, std::size_t b) {
@@ -34,7 +40,8 @@ std::uint32_t block_of(Words rows, std::size_t b) {
 
 class LocalizedCompletion {
  public:
-  LocalizedCompletion(EntrySource& source, const LocalizedParams& params, Rng& rng, BitMatrix& visible);
+  LocalizedCompletion(EntrySource& source, const LocalizedParams& params, Rng& rng, BitMatrix& visible,
+                      BlockDoubts* doubts);
   CompletionStats run();
 
  private:
@@ -45,6 +52,7 @@ class LocalizedCompletion {
   void repair(std::size_t predictor, bool settled);
   bool copy_uniform(std::size_t q);
   float largest_copied(bool settled) const;
+  float share_of_copied(std::size_t b, bool settled) const;
   void want_quads(std::size_t b);
   std::uint32_t fill_quads(std::size_t b) const;
   void list_active_blocks();
@@ -60,11 +68,14 @@ class LocalizedCompletion {
   void find_changed_blocks();
   void spread_doubt();
   void copy_others();
+  void note_doubts(bool settled);
+  void note_uniform_doubts();
   Kind kind_of_column() const;
 
   EntrySource& source_;
   const LocalizedParams params_;
   BitMatrix& visible_;
+  BlockDoubts* const doubts_;  ///< null: not asked for
   const std::size_t words_, n_blocks_;
   const BlockNeighbours neighbours_;
   RememberedColumns remembered_;
@@ -89,10 +100,11 @@ class LocalizedCompletion {
 };
 
 LocalizedCompletion::LocalizedCompletion(EntrySource& source, const LocalizedParams& params, Rng& rng,
-                                         BitMatrix& visible)
+                                         BitMatrix& visible, BlockDoubts* doubts)
     : source_(source),
       params_(params),
       visible_(visible),
+      doubts_(doubts),
       words_(visible.words_per_column()),
       n_blocks_(words_ * kBlocksInWord),
       neighbours_(source, n_blocks_, std::min<std::size_t>(params.flood, n_blocks_ - 1)),
@@ -155,6 +167,7 @@ void LocalizedCompletion::repair(std::size_t predictor, bool settled) {
   predict(predictor);
   update_doubt();
   trace_doubtful_blocks(settled);
+  if (doubts_) note_doubts(settled);
   copy_others();
   remembered_.add(column_, active_, active_mask_.words(), kind_of_column());
 }
@@ -167,6 +180,7 @@ bool LocalizedCompletion::copy_uniform(std::size_t q) {
     if ((active_mask_[word] & (bright_[word] | ~known[word])) != 0) return false;
   const Kind kind = remembered_.kind(q);
   if (kind == Kind::visible) std::copy(active_.begin(), active_.end(), column_.begin());
+  if (doubts_) note_uniform_doubts();
   doubt_ -= doubt_ / kColumnsLookedBack;
   remembered_.add(column_, active_, active_mask_.words(), kind);
   return true;
@@ -335,6 +349,28 @@ void LocalizedCompletion::spread_doubt() {
   for (std::size_t word = 0; word < done_.n_words(); ++word) doubtful_[word] &= active_mask_[word] & ~done_[word];
 }
 
+float LocalizedCompletion::share_of_copied(std::size_t b, bool settled) const {
+  const float share = block_of(traced_, b) != 0 ? kSampledShare : kUnsampledShare;
+  return share * std::max(doubt_, kLeastDoubt) * (settled ? kSettledShare : 1.0f);
+}
+
+/// After blocks are traced, before others are copied.
+void LocalizedCompletion::note_doubts(bool settled) {
+  for (const std::uint32_t b : active_blocks_) {
+    float& doubt = (*doubts_)(b, j_);
+    if ((block_of(active_, b) & ~block_of(traced_, b)) == 0)
+      doubt = 0;
+    else if (done_.test(b))
+      doubt = kPartlyShare;
+    else
+      doubt = sees_.test(b) && misses_.test(b) ? kMixedShare : share_of_copied(b, settled);
+  }
+}
+
+void LocalizedCompletion::note_uniform_doubts() {
+  for (const std::uint32_t b : active_blocks_) (*doubts_)(b, j_) = share_of_copied(b, true);
+}
+
 /// Wants an active row in each four of a block where none is traced yet.
 void LocalizedCompletion::want_quads(std::size_t b) {
   const std::uint32_t rows = block_of(active_, b), known = block_of(traced_, b);
@@ -396,7 +432,8 @@ LocalizedParams with_slack(const LocalizedParams& params, float slack) {
   return p;
 }
 
-CompletionStats complete_localized(EntrySource& source, const LocalizedParams& params, Rng& rng, BitMatrix& visible) {
+CompletionStats complete_localized(EntrySource& source, const LocalizedParams& params, Rng& rng, BitMatrix& visible,
+                                   BlockDoubts* doubts) {
   check_count("first_samples", params.first_samples);
   check_count("samples", params.samples);
   check_count("memory", params.memory);
@@ -408,7 +445,7 @@ CompletionStats complete_localized(EntrySource& source, const LocalizedParams& p
   check_energy("whole", params.whole);
   MYRIALUX_ASSERT(visible.n_rows() == source.n_rows() && visible.n_columns() == source.n_columns());
   if (source.n_rows() == 0) return {};
-  return LocalizedCompletion(source, params, rng, visible).run();
+  return LocalizedCompletion(source, params, rng, visible, doubts).run();
 }
 
 }  // namespace myrialux

@@ -42,6 +42,7 @@ SliceLoop::SliceLoop(const FrameView& frame, const MethodParams& params, const S
 void SliceLoop::run(Progress& progress) {
   // Where no slack is small enough all is traced, and the error is known to be 0.
   if (has_meter() && method_.largest_error > 0) result.visibility_error.resize(frame_.receivers.size());
+  if (!has_meter()) slack_ = 0;  // without a pilot, or where it is black, nobody knows what copies would do
   parallel_for(slices_.size(), [&](std::size_t s) {
     if (in_pilot(s)) return;
     render(s);
@@ -172,6 +173,8 @@ void SliceLoop::finish(double loop_wall_s, RenderStats& stats, RenderStats::Visi
   stats.time_s["visibility"] += scale * sum.visibility_s;
   stats.time_s["complete"] += scale * sum.complete_s;
   stats.time_s["shade"] += scale * sum.shade_s;
+  stats.cpu_s["cluster"] += sum.cut_s, stats.cpu_s["visibility"] += sum.visibility_s;
+  stats.cpu_s["complete"] += sum.complete_s, stats.cpu_s["shade"] += sum.shade_s;
   RenderStats::Visibility& v = stats.visibility;
   v.entries += sum.completion.entries, v.traced += sum.completion.traced;
   v.fully_sampled_columns += sum.completion.full_columns;

@@ -10,7 +10,7 @@
 namespace myrialux {
 
 struct RenderParams {
-  std::string method = "bamc";
+  std::string method = "lbamc";
   int width = 0, height = 0;  ///< 0: as the scene says
   int spp = 0;                ///< 0: 4 (many-light methods) or the scene's (path)
   std::uint64_t n_lights = 100000;

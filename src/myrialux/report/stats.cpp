@@ -117,6 +117,7 @@ std::string to_json(const RenderStats& s) {
         {"shadow", s.rays.shadow},
         {"compensation", s.rays.compensation}}},
       {"time_s", times_json(s.time_s)},
+      {"cpu_s", s.cpu_s.empty() ? Json(nullptr) : Json(s.cpu_s)},
       {"memory_bytes",
        {{"peak_rss", s.memory.peak_rss},
         {"predicted", s.memory.predicted > 0 ? Json(s.memory.predicted) : Json(nullptr)},

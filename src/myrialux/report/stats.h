@@ -58,6 +58,9 @@ struct RenderStats {
   /// Wall seconds by stage: load build receivers lights cluster visibility complete shade film total. Stages that run
   /// side by side in slices share the wall time of their loop in proportion to their CPU time.
   std::map<std::string, double> time_s;
+  /// CPU seconds of all threads, of stages that measure them: those inside slices. Other work on the machine disturbs
+  /// them less than wall time.
+  std::map<std::string, double> cpu_s;
   struct Memory {
     std::uint64_t peak_rss = 0, scene = 0, slices_peak = 0;
     std::uint64_t trees = 0;      ///< hierarchies of lights and of all receivers; 0: not measured
