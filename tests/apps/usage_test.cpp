@@ -82,7 +82,7 @@ TEST_F(Usage, MistakesExitWith2AndSayWhatIsAllowed) {
       {{"render", room, "-o", out, "--clusters", "automatic"}, "got automatic"},
       {{"render", room, "-o", out, "--clusters", "auto", "--method", "lightcuts"},
        "method 'lightcuts' cannot choose the clusters of slices (--clusters auto); methods that can: lbamc, bamc"},
-      {{"render", room, "-o", out, "--visibility-error", "0.01"},
+      {{"render", room, "-o", out, "--method", "bamc", "--visibility-error", "0.01"},
        "method 'bamc' cannot keep to an error of visibility (--visibility-error); methods that can: lbamc"},
       {{"render", room, "-o", out, "--method", "lbamc", "--visibility-error", "1.5"},
        "allowed is a number from 0 to 1"},

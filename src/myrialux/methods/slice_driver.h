@@ -41,8 +41,8 @@ struct SliceMethod {
   bool energies = false;  ///< the source tells what columns may bring
   /// In place of `complete`, where set: completion with about `slack` times the error that it has with 1. The source
   /// tells what blocks may bring, and the pilot finds the slack with which its own slices stay within `largest_error`.
-  /// Slices are then checked by random rays, and completed again with less slack where too much was wrong. Frames of few
-  /// slices have no pilot: all is traced.
+  /// Slices are then checked by random rays, and completed again with less slack where too much was wrong. Frames of
+  /// few slices have no pilot: all is traced.
   std::function<CompletionStats(EntrySource& source, Rng& rng, BitMatrix& visible, float slack)> complete_within = {};
   float largest_error = 0;  ///< root mean square over pixels, over the mean radiance; 0: all is traced
 };

@@ -160,10 +160,11 @@ void SliceLoop::finish(double loop_wall_s, RenderStats& stats, RenderStats::Visi
   SliceReport sum;
   for (const SliceReport& s : reports_) {
     sum.completion += s.completion;
-    sum.rays += s.rays, sum.columns += s.columns;
+    sum.rays += s.rays + s.mean_rays, sum.columns += s.columns;
     sum.checked += s.checked, sum.false_visible += s.false_visible, sum.false_occluded += s.false_occluded;
     sum.memory_bytes = std::max(sum.memory_bytes, s.memory_bytes);
-    sum.cut_s += s.cut_s, sum.visibility_s += s.visibility_s, sum.complete_s += s.complete_s, sum.shade_s += s.shade_s;
+    sum.cut_s += s.cut_s, sum.visibility_s += s.visibility_s, sum.complete_s += s.complete_s + s.mean_s,
+        sum.shade_s += s.shade_s;
     sum.radiance_sum += s.radiance_sum, sum.clamped_away_sum += s.clamped_away_sum;
   }
   for (const PilotSlice& slice : pilot_) sum.memory_bytes += slice.memory_bytes();

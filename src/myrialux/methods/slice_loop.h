@@ -16,6 +16,8 @@ struct SliceReport {
   std::uint64_t checked = 0, false_visible = 0, false_occluded = 0;  ///< entries; pilot only
   MeterReading meter;
   bool redone = false;
+  std::uint64_t mean_rays = 0;  ///< of a block of rows traced beforehand, for the frame's mean
+  double mean_s = 0;            ///< CPU seconds of that
   double cut_s = 0, visibility_s = 0, complete_s = 0, shade_s = 0;  ///< CPU seconds
 };
 
@@ -49,6 +51,7 @@ class SliceLoop {
  private:
   void render(std::size_t s);
   void render_pilot(std::size_t k);
+  double mean_of_slices(double pilot_mean);
   void complete(std::size_t s, std::span<const Column> columns, SliceVisibility& source, BitMatrix& visible);
   CompletionStats complete_with(EntrySource& source, std::size_t s, float slack, BitMatrix& visible) const;
   CompletedSlice completed_slice(std::size_t s, std::span<const Column> columns, const SliceVisibility& source) const;

@@ -6,6 +6,7 @@
 
 #include "myrialux/base/clock.h"
 #include "myrialux/base/parallel.h"
+#include "myrialux/kernels/shadow_ends.h"
 #include "myrialux/matrix/bit_ops.h"
 #include "myrialux/methods/slice_loop.h"
 #include "myrialux/shading/shade.h"
@@ -16,6 +17,9 @@ namespace {
 
 /// Frames with fewer slices have no pilot.
 constexpr std::size_t kLeastSlices = 8;
+
+/// For the mean radiance: so many slices, but one of so many at most.
+constexpr std::size_t kMeanSlices = 256, kMeanStride = 8;
 
 /// The slack is looked for in steps of 2 between these.
 constexpr float kLeastSlack = 1.0f / 64, kLargestSlack = 8;
@@ -46,7 +50,7 @@ void SliceLoop::run_pilot(Progress& progress) {
     for (std::size_t r = 0; r < rows.size(); ++r)
       sum += luminance(frame_.receivers.beta[index(rows[r])] * pilot_[k].radiance[r]), n_rows += 1;
   }
-  mean_radiance_ = static_cast<float>(sum / n_rows);
+  mean_radiance_ = static_cast<float>(method_.complete_within ? mean_of_slices(sum / n_rows) : sum / n_rows);
   guess_limit_ = method_.guard * mean_radiance_;
 
   parallel_for(pilot_.size(), [&](std::size_t k) {
@@ -56,6 +60,39 @@ void SliceLoop::run_pilot(Progress& progress) {
   });
   if (has_meter()) choose_slack();
   check_pilot();
+}
+
+/// The pilot's slices are few and differ much: a block of rows in each of many more slices tells the frame's mean
+/// better.
+/// @param pilot_mean mean radiance of the pilot's rows
+double SliceLoop::mean_of_slices(double pilot_mean) {
+  const std::size_t n = std::min(kMeanSlices, slices_.size() / kMeanStride);
+  std::vector<double> means(n);
+  parallel_for(n, [&](std::size_t m) {
+    const std::size_t s = (2 * m + 1) * slices_.size() / (2 * n);
+    SliceReport& report = reports_[s];
+    ThreadStopwatch cpu;
+    const std::vector<Column> columns = choose_columns_(s);
+    report.mean_s += cpu.lap();
+    const std::span<const ReceiverId> all = slices_.rows(s);
+    const std::span<const ReceiverId> rows =
+        all.subspan(all.size() / 2 / kPacketRows * kPacketRows)
+            .first(std::min(kPacketRows, all.size() - all.size() / 2 / kPacketRows * kPacketRows));
+    SliceVisibility source(frame_.world, frame_.receivers, rows, frame_.lights, columns, method_.cull);
+    BitMatrix visible(rows.size(), columns.size());
+    trace_all(source, visible);
+    std::vector<Rgb> radiance(rows.size());
+    shade_slice(frame_.world, frame_.receivers, rows, frame_.lights, columns, visible,
+                {.clamp_distance = params_.cut.clamp_distance}, radiance);
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      means[m] += static_cast<double>(luminance(frame_.receivers.beta[index(rows[r])] * radiance[r])) /
+                  static_cast<double>(rows.size());
+    report.mean_rays = source.rays();
+    report.mean_s += cpu.lap();
+  });
+  double sum = pilot_mean * static_cast<double>(pilot_.size());
+  for (const double mean : means) sum += mean;
+  return sum / static_cast<double>(pilot_.size() + n);
 }
 
 void SliceLoop::render_pilot(std::size_t k) {
