@@ -210,7 +210,7 @@ void SliceLoop::add_meter(RenderStats::Visibility::Meter& meter) {
   for (std::size_t s = 0; s < reports_.size(); ++s) {
     const SliceReport& r = reports_[s];
     meter.rays += r.meter.rays;
-    meter.more_rays += r.meter.more_rays;
+    meter.more_rays += r.meter.more_rays + r.mean_rays;
     meter.wrong += r.meter.false_visible + r.meter.false_occluded;
     meter.redone_slices += r.redone ? 1 : 0;
     squares += r.meter.squares, squares2 += r.meter.squares * r.meter.squares;

@@ -26,7 +26,8 @@ struct RenderStats {
     /// What the method chose and measured to keep to --visibility-error; sums over passes.
     struct Meter {
       std::uint64_t rays = 0, wrong = 0;  ///< random true rays, and those that contradict the completed bit
-      std::uint64_t more_rays = 0;        ///< by energy, following wrong ones, and of slices completed again
+      std::uint64_t more_rays =
+          0;  ///< by energy, following wrong ones, of slices completed again, for the frame's mean
       std::uint64_t slices = 0, redone_slices = 0;
       double error_square = 0;           ///< mean square over pixels, over the mean radiance
       double error_square_variance = 0;  ///< of that estimate

@@ -21,44 +21,51 @@ class EnergyDraw {
  public:
   explicit EnergyDraw(const EntrySource& source);
   /// May bring anything.
-  bool any(std::size_t row) const { return sums_of(row).back() > 0; }
+  bool any(std::size_t row) const { return sum(row, n_columns_) > 0; }
   /// @param u in [0, 1)
   std::size_t column(std::size_t row, float u) const;
   double probability(std::size_t row, std::size_t j) const;
 
  private:
-  std::span<const float> sums_of(std::size_t row) const {
-    return std::span(sums_).subspan(row / kRowsInBlock * stride_, stride_);
-  }
-  std::size_t stride_;
-  std::vector<float> sums_;  ///< [blocks x (columns + 1)], of the columns before
+  /// Of the first n columns.
+  float sum(std::size_t row, std::size_t n) const { return sums_[n * n_blocks_ + row / kRowsInBlock]; }
+  std::size_t n_columns_, n_blocks_;
+  std::vector<float> sums_;  ///< [(columns + 1) x blocks], of the columns before
 };
 
-EnergyDraw::EnergyDraw(const EntrySource& source) : stride_(source.n_columns() + 1) {
-  const std::size_t n_blocks = (source.n_rows() + 63) / 64 * kBlocksInWord;  // whole words of rows
-  std::vector<float> energies(n_blocks);
-  sums_.resize(n_blocks * stride_);
-  for (std::size_t j = 0; j + 1 < stride_; ++j) {
+EnergyDraw::EnergyDraw(const EntrySource& source)
+    : n_columns_(source.n_columns()), n_blocks_((source.n_rows() + 63) / 64 * kBlocksInWord) {  // whole words of rows
+  std::vector<float> energies(n_blocks_);
+  sums_.resize((n_columns_ + 1) * n_blocks_);
+  for (std::size_t j = 0; j < n_columns_; ++j) {
     source.block_energies(j, energies);
-    for (std::size_t b = 0; b < n_blocks; ++b) sums_[b * stride_ + j + 1] = sums_[b * stride_ + j] + energies[b];
+    const float* const before = sums_.data() + j * n_blocks_;
+    float* const after = sums_.data() + (j + 1) * n_blocks_;
+    for (std::size_t b = 0; b < n_blocks_; ++b) after[b] = before[b] + energies[b];
   }
-  for (std::size_t b = 0; b < n_blocks; ++b) {
-    const std::span<float> sums = std::span(sums_).subspan(b * stride_, stride_);
-    const float mean = sums.back() / static_cast<float>(stride_ - 1);
-    for (std::size_t j = 1; j < stride_; ++j) sums[j] += static_cast<float>(j) * mean;
+  for (std::size_t b = 0; b < n_blocks_; ++b)
+    energies[b] = sums_[n_columns_ * n_blocks_ + b] / static_cast<float>(n_columns_);  // means
+  for (std::size_t j = 1; j <= n_columns_; ++j) {
+    float* const sums = sums_.data() + j * n_blocks_;
+    for (std::size_t b = 0; b < n_blocks_; ++b) sums[b] += static_cast<float>(j) * energies[b];
   }
 }
 
 std::size_t EnergyDraw::column(std::size_t row, float u) const {
-  const std::span<const float> sums = sums_of(row);
-  const float at = u * sums.back();
-  const auto after = std::upper_bound(sums.begin() + 1, sums.end() - 1, at);
-  return static_cast<std::size_t>(after - sums.begin()) - 1;
+  const float at = u * sum(row, n_columns_);
+  std::size_t first = 0, end = n_columns_ - 1;  // the last one whose sum before it is at most `at`
+  while (first < end) {
+    const std::size_t middle = (first + end + 1) / 2;
+    if (sum(row, middle) > at)
+      end = middle - 1;
+    else
+      first = middle;
+  }
+  return first;
 }
 
 double EnergyDraw::probability(std::size_t row, std::size_t j) const {
-  const std::span<const float> sums = sums_of(row);
-  return static_cast<double>(sums[j + 1] - sums[j]) / static_cast<double>(sums.back());
+  return static_cast<double>(sum(row, j + 1) - sum(row, j)) / static_cast<double>(sum(row, n_columns_));
 }
 
 class Meter {
