@@ -223,8 +223,7 @@ std::string visibility_words(const RenderStats::Visibility& v) {
                   100 * static_cast<double>(v.traced) / static_cast<double>(v.entries));
   if (v.meter.rays == 0) return words;
   const MeterErrors e = meter_errors(v.meter);
-  return words + fmt::format("; error by the others {:.2f} % (95 %: {:.2f} to {:.2f}), {:.2f} % of all bits wrong",
-                             100 * e.error, 100 * e.error_interval.low, 100 * e.error_interval.high, 100 * e.wrong);
+  return words + fmt::format("; error by the others {}, {:.2f} % of all bits wrong", error_words(e), 100 * e.wrong);
 }
 
 std::vector<std::string> summary(const RenderStats& s, double write_s) {

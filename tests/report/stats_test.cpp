@@ -62,6 +62,11 @@ TEST(Stats, ValuesAreThoseCounted) {
   EXPECT_EQ(j["time_s"]["build"], 0.5);
 }
 
+TEST(Stats, ErrorsAreToldInWords) {
+  EXPECT_EQ(error_words({.error = 0.0053, .error_interval = {0.0037, 0.0066}}), "0.53 % (95 %: 0.37 to 0.66)");
+  EXPECT_EQ(error_words({.error = 0, .error_interval = {0, 0.0033}}), "at most 0.33 % (95 %)");
+}
+
 TEST(Stats, WrongBitsAreSharesOfTheCheckedEntries) {
   RenderStats s;
   s.visibility.entries = 1000, s.visibility.checked = 200;

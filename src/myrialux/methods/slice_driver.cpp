@@ -22,8 +22,7 @@ ChooseColumns by_light_cut(const SliceFrame& f) {
 /// What the meter of this pass says, for people.
 std::string meter_words(const RenderStats::Visibility::Meter& m) {
   const MeterErrors e = meter_errors(m);
-  return fmt::format("visibility: {:.2f} % error by copied bits (95 %: {:.2f} to {:.2f}), {:.2f} % of the bits wrong{}",
-                     100 * e.error, 100 * e.error_interval.low, 100 * e.error_interval.high, 100 * e.wrong,
+  return fmt::format("visibility: error by copied bits {}, {:.2f} % of the bits wrong{}", error_words(e), 100 * e.wrong,
                      m.redone_slices > 0 ? fmt::format(", {} of {} slices redone", m.redone_slices, m.slices) : "");
 }
 

@@ -1,6 +1,7 @@
 // The numbers of a render as stats.json; what was not measured is null.
 #include "myrialux/report/stats.h"
 
+#include <fmt/format.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -82,6 +83,12 @@ MeterErrors meter_errors(const RenderStats::Visibility::Meter& m) {
   e.bias = m.bias;
   e.bias_interval = {m.bias - half_bias, m.bias + half_bias};
   return e;
+}
+
+std::string error_words(const MeterErrors& e) {
+  if (e.error <= 0) return fmt::format("at most {:.2f} % (95 %)", 100 * e.error_interval.high);
+  return fmt::format("{:.2f} % (95 %: {:.2f} to {:.2f})", 100 * e.error, 100 * e.error_interval.low,
+                     100 * e.error_interval.high);
 }
 
 std::string to_json(const RenderStats& s) {

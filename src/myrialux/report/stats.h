@@ -82,9 +82,12 @@ struct MeterErrors {
   double wrong = 0;  ///< share of completed bits that are wrong, mean over receivers
   double error = 0;  ///< root mean square over pixels, over the mean radiance
   double bias = 0;   ///< mean of completed less true radiance, over the mean radiance
-  Interval wrong_interval, error_interval, bias_interval;
+  Interval wrong_interval = {}, error_interval = {}, bias_interval = {};
 };
 MeterErrors meter_errors(const RenderStats::Visibility::Meter& meter);
+/// "0.53 % (95 %: 0.37 to 0.66)"; "at most 0.33 % (95 %)" where the estimate, which scatters about the truth, is not
+/// above 0.
+std::string error_words(const MeterErrors& errors);
 
 /// The JSON text, keys as in docs/formats.md.
 std::string to_json(const RenderStats& stats);
