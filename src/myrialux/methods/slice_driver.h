@@ -14,6 +14,8 @@ using CompleteSlice = std::function<CompletionStats(EntrySource& source, Rng& rn
 /// The pilot (see SliceMethod::guard): one slice of this many at most, and about so many slices of large frames. Their
 /// bits are kept through the frame.
 inline constexpr std::size_t kPilotStride = 64, kPilotSlices = 32;
+/// Frames with fewer slices have no pilot.
+inline constexpr std::size_t kLeastSlices = 8;
 /// One slice of how many is the pilot's.
 std::size_t pilot_stride(std::size_t n_slices);
 

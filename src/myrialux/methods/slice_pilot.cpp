@@ -15,9 +15,6 @@
 namespace myrialux {
 namespace {
 
-/// Frames with fewer slices have no pilot.
-constexpr std::size_t kLeastSlices = 8;
-
 /// For the mean radiance: so many slices, but one of so many at most.
 constexpr std::size_t kMeanSlices = 256, kMeanStride = 8;
 

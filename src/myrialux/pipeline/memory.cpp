@@ -73,7 +73,8 @@ constexpr Bytes kPointNodes = 2 * sizeof(PointNode), kPointCode = 16;
 
 Bytes pilot_bytes(const FrameExtent& f) {
   const Bytes n_slices = n_samples(f) / f.slice_rows + 1;
-  return f.has_pilot ? (n_slices / pilot_stride(n_slices) + 1) * slice_bytes(f) : 0;
+  if (!f.has_pilot || n_slices < kLeastSlices) return 0;
+  return (n_slices / pilot_stride(n_slices) + 1) * slice_bytes(f);
 }
 
 /// The reduced matrix, two bytes an entry, and the clustering of its columns: projected once, and then a copy for each
