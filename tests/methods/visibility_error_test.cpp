@@ -5,6 +5,7 @@
 
 #include "myrialux/base/parallel.h"
 #include "myrialux/clusters/slices.h"
+#include "myrialux/kernels/isa.h"
 #include "support/method_frame.h"
 #include "support/statistics.h"
 
@@ -133,6 +134,27 @@ TEST(VisibilityError, SameBitsForAnyNumberOfThreadsWithSlicesDoneAgain) {
     EXPECT_EQ(r.meter().wrong, first.meter().wrong) << n_threads;
     EXPECT_EQ(r.meter().redone_slices, first.meter().redone_slices) << n_threads;
     EXPECT_EQ(r.stats.visibility.traced, first.stats.visibility.traced) << n_threads;
+  }
+}
+
+TEST(VisibilityError, SameBitsOnEveryInstructionSet) {
+  const Posts posts;
+  const Box box;
+  for (const Fixture* f : {static_cast<const Fixture*>(&posts), static_cast<const Fixture*>(&box)}) {
+    Outcome first;
+    for (const std::int64_t isa : available_isas()) {
+      force_isa(isa);
+      Outcome r = run(*f, 0.004f);
+      if (first.result.radiance.empty()) first = std::move(r), r = first;
+      EXPECT_GT(r.stats.visibility.entries, r.stats.visibility.traced);
+      EXPECT_EQ(r.stats.visibility.traced, first.stats.visibility.traced) << isa_name(isa);
+      EXPECT_EQ(r.stats.rays.shadow, first.stats.rays.shadow) << isa_name(isa);
+      EXPECT_EQ(r.meter().slack, first.meter().slack) << isa_name(isa);
+      EXPECT_EQ(r.meter().wrong, first.meter().wrong) << isa_name(isa);
+      EXPECT_EQ(r.meter().redone_slices, first.meter().redone_slices) << isa_name(isa);
+      EXPECT_LT(relative_rmse(first.result.radiance, r.result.radiance), 1e-6) << "sums differ by rounding";
+    }
+    force_isa(0);
   }
 }
 

@@ -177,42 +177,5 @@ TEST(ErrorMeter, FindsNothingInTrueBitsAndAllInTheirOpposite) {
   }
 }
 
-TEST(ErrorMeter, ReadingsAddUp) {
-  MeterReading a{.rays = 1,
-                 .false_visible = 2,
-                 .false_occluded = 3,
-                 .more_rays = 4,
-                 .wrong_by_energy = 7,
-                 .squares = 5,
-                 .bias = 6};
-  a += {.rays = 10,
-        .false_visible = 20,
-        .false_occluded = 30,
-        .more_rays = 40,
-        .wrong_by_energy = 70,
-        .squares = 50,
-        .bias = -60};
-  EXPECT_EQ(a.rays, 11u);
-  EXPECT_EQ(a.false_visible, 22u);
-  EXPECT_EQ(a.false_occluded, 33u);
-  EXPECT_EQ(a.more_rays, 44u);
-  EXPECT_EQ(a.wrong_by_energy, 77u);
-  EXPECT_EQ(a.squares, 55);
-  EXPECT_EQ(a.bias, -54);
-}
-
-TEST(BitsOfRows, AreThoseOfAPlainCount) {
-  Rng rng({2}, Stage::test, 0);
-  for (const std::size_t n_rows : {1u, 63u, 64u, 65u, 200u})
-    for (const std::size_t n_columns : {0u, 1u, 2u, 3u, 64u, 255u, 256u, 1000u}) {
-      BitMatrix bits(n_rows, n_columns);
-      std::vector<std::uint32_t> expected(n_rows);
-      for (std::size_t j = 0; j < n_columns; ++j)
-        for (std::size_t i = 0; i < n_rows; ++i)  // the first row is full, the last empty unless it is the first
-          if (i == 0 || (i + 1 < n_rows && rng.next() < 0.5f)) bits.set(i, j), ++expected[i];
-      EXPECT_EQ(bits_of_rows(bits), expected) << n_rows << " x " << n_columns;
-    }
-}
-
 }  // namespace
 }  // namespace myrialux

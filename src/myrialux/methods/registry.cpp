@@ -25,15 +25,11 @@ std::string names_of(const std::vector<MethodInfo>& methods, const std::function
 
 const std::vector<MethodInfo>& all_methods() {
   static const std::vector<MethodInfo> methods = {
-      {"lbamc",
-       "slices, slice lightcut, completion by blocks of 16 neighbouring receivers",
-       "ours",
-       render_lbamc,
-       "clusters",
-       {},
-       1000,
-       {},
-       /*keeps_to_error=*/true},
+      {.name = "lbamc",
+       .summary = "slices, slice lightcut, completion by blocks of 16 neighbouring receivers",
+       .source = "ours",
+       .render = render_lbamc,
+       .keeps_to_error = true},
       {"bamc", "slices, slice lightcut, boolean adaptive matrix completion", "Wang and Holzschuch 2020, section 4",
        render_bamc},
       {"amc", "the same slices and cuts, adaptive matrix completion by pseudo-inverse",

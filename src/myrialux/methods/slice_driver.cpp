@@ -43,7 +43,7 @@ MethodResult render_slices(const FrameView& frame, const MethodParams& params, c
   SliceLoop loop(frame, chosen, method, slices, tree, method.columns ? method.columns(grouped) : by_light_cut(grouped));
   wall.lap();
   progress.stage("slices", slices.size(), "slices");
-  if (method.guard > 0 || method.complete_within) loop.run_pilot(progress);
+  if (method.guard > 0 || method.largest_error > 0) loop.run_pilot(progress);
   loop.run(progress);
   RenderStats::Visibility::Meter meter;
   loop.finish(wall.lap(), stats, meter);

@@ -11,8 +11,8 @@ namespace myrialux {
 /// From a slice's entry source to all its bits: the stage in which slice methods differ. `visible` is all 0 at entry.
 using CompleteSlice = std::function<CompletionStats(EntrySource& source, Rng& rng, BitMatrix& visible)>;
 
-/// The pilot (see SliceMethod::guard): one slice of this many at most, and about so many slices of large frames. Their
-/// bits are kept through the frame.
+/// The pilot (see SliceMethod::guard): one slice of this many at most, and about so many slices of large frames. They
+/// are held together until the other slices begin.
 inline constexpr std::size_t kPilotStride = 64, kPilotSlices = 32;
 /// Frames with fewer slices have no pilot.
 inline constexpr std::size_t kLeastSlices = 8;
@@ -46,7 +46,8 @@ struct SliceMethod {
   /// Slices are then checked by random rays, and completed again with less slack where too much was wrong. Frames of
   /// few slices have no pilot: all is traced.
   std::function<CompletionStats(EntrySource& source, Rng& rng, BitMatrix& visible, float slack)> complete_within = {};
-  float largest_error = 0;  ///< root mean square over pixels, over the mean radiance; 0: all is traced
+  /// Of complete_within: root mean square over pixels, over the mean radiance; 0: all is traced.
+  float largest_error = 0;
 };
 
 /// Streams the slices: each is cut, traced, completed, shaded and forgotten, so memory does not grow with the frame

@@ -42,7 +42,7 @@ SliceLoop::SliceLoop(const FrameView& frame, const MethodParams& params, const S
 void SliceLoop::run(Progress& progress) {
   if (!has_meter()) slack_ = 0;  // without a pilot, or where it is black, nobody knows what copies would do
   // Where no slack is small enough all is traced, and the error is known to be 0.
-  if (has_meter() && method_.largest_error > 0) result.visibility_error.resize(frame_.receivers.size());
+  if (has_meter()) result.visibility_error.resize(frame_.receivers.size());
   parallel_for(slices_.size(), [&](std::size_t s) {
     if (in_pilot(s)) return;
     render(s);
@@ -123,7 +123,7 @@ void SliceLoop::prepare(std::size_t s, std::span<const Column> columns, SliceVis
   if (method_.energies)
     source.set_energies(column_energies(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, columns,
                                         params_.cut.clamp_distance));
-  if (has_meter())
+  if (has_meter() && slack_ > 0)
     source.set_block_energies(BlockEnergies(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, tree_,
                                             columns, params_.cut.clamp_distance, mean_radiance_));
   if (guess_limit_ <= 0) return;
@@ -162,12 +162,11 @@ void SliceLoop::finish(double loop_wall_s, RenderStats& stats, RenderStats::Visi
     sum.completion += s.completion;
     sum.rays += s.rays + s.mean_rays, sum.columns += s.columns;
     sum.checked += s.checked, sum.false_visible += s.false_visible, sum.false_occluded += s.false_occluded;
-    sum.memory_bytes = std::max(sum.memory_bytes, s.memory_bytes);
+    sum.memory_bytes = std::max({sum.memory_bytes, s.memory_bytes, pilot_bytes_});
     sum.cut_s += s.cut_s, sum.visibility_s += s.visibility_s, sum.complete_s += s.complete_s + s.mean_s,
         sum.shade_s += s.shade_s;
     sum.radiance_sum += s.radiance_sum, sum.clamped_away_sum += s.clamped_away_sum;
   }
-  for (const PilotSlice& slice : pilot_) sum.memory_bytes += slice.memory_bytes();
   const double cpu_s = sum.cut_s + sum.visibility_s + sum.complete_s + sum.shade_s;
   const double scale = cpu_s > 0 ? loop_wall_s / cpu_s : 0;
   stats.time_s["cluster"] += scale * sum.cut_s;

@@ -36,8 +36,8 @@ class SliceLoop {
   SliceLoop(const FrameView& frame, const MethodParams& params, const SliceMethod& method, const Slices& slices,
             const LightTree& tree, ChooseColumns choose_columns);
 
-  /// Traces some slices whole; their mean radiance sets the limit of what may be guessed in the others, and their
-  /// errors set the slack.
+  /// Traces some slices whole; their mean radiance (complete_within: with that of rows of many more) sets the limit of
+  /// what may be guessed in the others, and their errors set the slack.
   void run_pilot(Progress& progress);
   /// All other slices.
   void run(Progress& progress);
@@ -80,9 +80,10 @@ class SliceLoop {
   const LightTree& tree_;
   const ChooseColumns choose_columns_;
   std::vector<SliceReport> reports_;  ///< by slice
-  std::vector<PilotSlice> pilot_;
+  std::vector<PilotSlice> pilot_;     ///< empty slices once the pilot is over
   std::size_t pilot_stride_ = 1, first_pilot_ = 0;
-  float mean_radiance_ = 0;  ///< of the pilot, beta included; 0: no pilot
+  std::uint64_t pilot_bytes_ = 0;
+  float mean_radiance_ = 0;  ///< of the frame as the pilot tells, to a hundredth, beta included; 0: no pilot
   float guess_limit_ = 0;    ///< weight of an entry, radiance; 0: all may be guessed
   float slack_ = 1;          ///< of complete_within; 0: all is traced
   double pilot_error_ = 0;   ///< of the pilot with that slack: root mean square over pixels, over the mean radiance

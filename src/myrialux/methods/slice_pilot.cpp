@@ -21,6 +21,10 @@ constexpr std::size_t kMeanSlices = 256, kMeanStride = 8;
 /// The slack is looked for in steps of 2 between these.
 constexpr float kLeastSlack = 1.0f / 64, kLargestSlack = 8;
 
+/// The nearest number on a scale of 64 steps an octave. What decides which entries are traced must not hang on how sums
+/// were rounded, which differs between instruction sets.
+double on_scale(double x) { return x > 0 ? std::exp2(std::round(std::log2(x) * 64) / 64) : 0; }
+
 }  // namespace
 
 std::size_t pilot_stride(std::size_t n_slices) { return std::max<std::size_t>(kPilotStride, n_slices / kPilotSlices); }
@@ -47,7 +51,7 @@ void SliceLoop::run_pilot(Progress& progress) {
     for (std::size_t r = 0; r < rows.size(); ++r)
       sum += luminance(frame_.receivers.beta[index(rows[r])] * pilot_[k].radiance[r]), n_rows += 1;
   }
-  mean_radiance_ = static_cast<float>(method_.complete_within ? mean_of_slices(sum / n_rows) : sum / n_rows);
+  mean_radiance_ = static_cast<float>(on_scale(method_.complete_within ? mean_of_slices(sum / n_rows) : sum / n_rows));
   guess_limit_ = method_.guard * mean_radiance_;
 
   parallel_for(pilot_.size(), [&](std::size_t k) {
@@ -57,6 +61,10 @@ void SliceLoop::run_pilot(Progress& progress) {
   });
   if (has_meter()) choose_slack();
   check_pilot();
+  for (PilotSlice& slice : pilot_) {
+    pilot_bytes_ += slice.memory_bytes();
+    slice = {};
+  }
 }
 
 /// The pilot's slices are few and differ much: a block of rows in each of many more slices tells the frame's mean
@@ -70,11 +78,9 @@ double SliceLoop::mean_of_slices(double pilot_mean) {
     SliceReport& report = reports_[s];
     ThreadStopwatch cpu;
     const std::vector<Column> columns = choose_columns_(s);
-    report.mean_s += cpu.lap();
     const std::span<const ReceiverId> all = slices_.rows(s);
-    const std::span<const ReceiverId> rows =
-        all.subspan(all.size() / 2 / kPacketRows * kPacketRows)
-            .first(std::min(kPacketRows, all.size() - all.size() / 2 / kPacketRows * kPacketRows));
+    const std::size_t first = all.size() / 2 / kPacketRows * kPacketRows;
+    const std::span<const ReceiverId> rows = all.subspan(first, std::min(kPacketRows, all.size() - first));
     SliceVisibility source(frame_.world, frame_.receivers, rows, frame_.lights, columns, method_.cull);
     BitMatrix visible(rows.size(), columns.size());
     trace_all(source, visible);
@@ -85,7 +91,7 @@ double SliceLoop::mean_of_slices(double pilot_mean) {
       means[m] += static_cast<double>(luminance(frame_.receivers.beta[index(rows[r])] * radiance[r])) /
                   static_cast<double>(rows.size());
     report.mean_rays = source.rays();
-    report.mean_s += cpu.lap();
+    report.mean_s = cpu.lap();
   });
   double sum = pilot_mean * static_cast<double>(pilot_.size());
   for (const double mean : means) sum += mean;
@@ -162,7 +168,6 @@ double SliceLoop::pilot_square(float slack) {
 /// The largest slack whose error stays within the limit, between two of a factor 2 by a straight line in logarithms.
 void SliceLoop::choose_slack() {
   const double limit = static_cast<double>(method_.largest_error);
-  if (limit <= 0) return;
   double good = 0, good_error = 0, bad = 0, bad_error = 0;  // 0: none yet
   for (float slack = 1;;) {
     const double error = std::sqrt(pilot_square(slack));
@@ -174,14 +179,14 @@ void SliceLoop::choose_slack() {
   }
   double slack = good;
   if (good > 0 && bad > 0 && good_error > 0 && bad_error > good_error)
-    slack *= std::pow(bad / good, std::log(limit / good_error) / std::log(bad_error / good_error));
+    slack = on_scale(slack * std::pow(bad / good, std::log(limit / good_error) / std::log(bad_error / good_error)));
   // Errors scatter: what lies between the two may err more than the better one.
   const double error = slack > good ? std::sqrt(pilot_square(static_cast<float>(slack))) : good_error;
   slack_ = static_cast<float>(error <= limit ? slack : good);
   pilot_error_ = error <= limit ? error : good_error;
 }
 
-/// Completes the pilot's slices as all others will be, only to see what goes wrong, and forgets them.
+/// Completes the pilot's slices as all others will be, only to see what goes wrong.
 void SliceLoop::check_pilot() {
   parallel_for(pilot_.size(), [&](std::size_t k) {
     const PilotSlice& slice = pilot_[k];

@@ -2,8 +2,6 @@
 #include "myrialux/visibility/error_meter.h"
 
 #include <algorithm>
-#include <bit>
-#include <utility>
 
 #include "myrialux/base/assert.h"
 #include "myrialux/matrix/bit_ops.h"
@@ -71,7 +69,14 @@ double EnergyDraw::probability(std::size_t row, std::size_t j) const {
 class Meter {
  public:
   Meter(const CompletedSlice& slice, const BitMatrix& visible, Rng& rng)
-      : s_(slice), visible_(visible), rng_(rng), n_active_(bits_of_rows(slice.active)), by_energy_(slice.source) {}
+      : s_(slice),
+        visible_(visible),
+        rng_(rng),
+        by_energy_(slice.source),
+        has_active_(slice.active.words_per_column()) {
+    for (std::size_t j = 0; j < slice.active.n_columns(); ++j)
+      for (std::size_t w = 0; w < has_active_.size(); ++w) has_active_[w] |= slice.active.column(j)[w];
+  }
   MeterReading read();
 
  private:
@@ -87,19 +92,18 @@ class Meter {
   const CompletedSlice& s_;
   const BitMatrix& visible_;
   Rng& rng_;
-  const std::vector<std::uint32_t> n_active_;
   const EnergyDraw by_energy_;
-  std::vector<std::uint32_t> by_pixel_;  ///< rows that have active entries, pixel by pixel; made when first needed
+  std::vector<std::uint64_t> has_active_;  ///< bits of rows
+  std::vector<std::uint32_t> by_pixel_;    ///< rows that have active entries, pixel by pixel; made when first needed
   MeterReading reading_;
 };
 
 MeterReading Meter::read() {
   const std::uint32_t first = rng_.below(kRowsByEnergy);
-  for (std::size_t row = 0; row < s_.rows.size(); ++row) {
-    if (n_active_[row] == 0) continue;
+  for_each_bit(has_active_, [&](std::size_t row) {
     look_evenly(row);
     if (row % kRowsByEnergy == first) look_by_energy(row);
-  }
+  });
   return reading_;
 }
 
@@ -161,8 +165,7 @@ double Meter::follow(std::size_t row, std::size_t j) {
 std::span<const std::uint32_t> Meter::rows_of_pixel(std::size_t row) {
   const auto less = [&](std::uint32_t a, std::uint32_t b) { return pixel(a) < pixel(b); };
   if (by_pixel_.empty()) {
-    for (std::uint32_t r = 0; r < n_active_.size(); ++r)
-      if (n_active_[r] > 0) by_pixel_.push_back(r);
+    for_each_bit(has_active_, [&](std::size_t r) { by_pixel_.push_back(static_cast<std::uint32_t>(r)); });
     std::stable_sort(by_pixel_.begin(), by_pixel_.end(), less);
   }
   const auto [begin, end] = std::equal_range(by_pixel_.begin(), by_pixel_.end(), static_cast<std::uint32_t>(row), less);
@@ -175,25 +178,6 @@ MeterReading measure_errors(const CompletedSlice& s, const BitMatrix& visible, R
   MYRIALUX_ASSERT(visible.n_rows() == s.rows.size() && visible.n_columns() == s.columns.size());
   MYRIALUX_ASSERT(s.unit > 0 && s.spp > 0);
   return Meter(s, visible, rng).read();
-}
-
-/// Counters of 64 rows at a time, bit by bit: plane k holds bit k of the counts.
-std::vector<std::uint32_t> bits_of_rows(const BitMatrix& bits) {
-  const std::size_t words = bits.words_per_column(), n_planes = std::bit_width(bits.n_columns());
-  std::vector<std::uint64_t> planes(n_planes * words);
-  for (std::size_t j = 0; j < bits.n_columns(); ++j) {
-    const Words column = bits.column(j);
-    for (std::size_t w = 0; w < words; ++w) {
-      std::uint64_t carry = column[w];
-      for (std::size_t k = 0; carry != 0; ++k)
-        carry &= std::exchange(planes[k * words + w], planes[k * words + w] ^ carry);
-    }
-  }
-  std::vector<std::uint32_t> counts(bits.n_rows());
-  for (std::size_t row = 0; row < counts.size(); ++row)
-    for (std::size_t k = 0; k < n_planes; ++k)
-      counts[row] |= static_cast<std::uint32_t>(planes[k * words + row / 64] >> row % 64 & 1) << k;
-  return counts;
 }
 
 }  // namespace myrialux

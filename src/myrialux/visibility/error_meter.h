@@ -11,7 +11,7 @@ inline constexpr std::uint32_t kRowsByEnergy = 4;
 /// Rays that follow a wrong one found there, spread over the rows of its pixel.
 inline constexpr std::uint32_t kFollowingRays = 256;
 
-/// Sums over the rows that were looked at; they add up over slices. Energies are luminances W T beta over a unit, the
+/// Sums over the rows that were looked at. Energies are luminances W T beta over a unit, the
 /// error of a row is the sum over its entries of energy (completed - true).
 struct MeterReading {
   std::uint64_t rays = 0;  ///< one a row that has active entries
@@ -20,12 +20,6 @@ struct MeterReading {
   std::uint64_t wrong_by_energy = 0;  ///< wrong entries on which squares and bias rest
   double squares = 0;                 ///< estimates the sum over pixels of (sum of their rows' errors)^2
   double bias = 0;                    ///< the sum over rows of their errors
-  MeterReading& operator+=(const MeterReading& o) {
-    rays += o.rays, more_rays += o.more_rays, wrong_by_energy += o.wrong_by_energy;
-    false_visible += o.false_visible, false_occluded += o.false_occluded;
-    squares += o.squares, bias += o.bias;
-    return *this;
-  }
 };
 
 /// A slice and what can be known of it.
@@ -51,8 +45,5 @@ struct CompletedSlice {
 /// would tell as little as a tenth. Unbiased in all numbers; `squares` may come out negative. Cost: a scattered ray a
 /// row and a quarter, kFollowingRays for each that is wrong in the quarter, the energies of all blocks.
 MeterReading measure_errors(const CompletedSlice& slice, const BitMatrix& visible, Rng& rng);
-
-/// Number of set bits in each row, [n_rows].
-std::vector<std::uint32_t> bits_of_rows(const BitMatrix& bits);
 
 }  // namespace myrialux
