@@ -50,11 +50,17 @@ inline Scene only_meshes(Scene scene) {
   return scene;
 }
 
-/// One pass over a scene up to its slices and light tree, as `myrialux render` makes it. Quadrics, instances and
-/// cut-outs are left out, so that raw Embree sees the same surfaces.
+struct FrameParams {
+  int width = kWidth, height = kHeight, spp = kSpp;
+  std::uint64_t n_lights = kLights, seed = 1;
+  std::uint32_t n_clusters = CutParams{}.n_clusters, n_rows = SliceParams{}.max_rows;
+};
+
+/// One pass over a scene up to its slices and light tree, as `myrialux render` makes it.
 struct Frame {
-  explicit Frame(const std::string& path)
-      : scene(only_meshes(load_scene(path))),
+  explicit Frame(Scene given, const FrameParams& p = {})
+      : key{p.seed, 0},
+        scene(std::move(given)),
         tracer(scene),
         emitters(scene, tracer.bounds()),
         world{.scene = scene,
@@ -62,12 +68,13 @@ struct Frame {
               .emitters = emitters,
               .max_depth = scene.max_depth,
               .rr_depth = scene.rr_depth},
-        receivers(trace_receivers(world, {.width = kWidth, .height = kHeight, .spp = kSpp, .key = key}, progress)),
-        lights(trace_lights(world, {.n_lights = kLights, .key = key}, progress)),
+        receivers(trace_receivers(world, {.width = p.width, .height = p.height, .spp = p.spp, .key = key}, progress)),
+        lights(trace_lights(world, {.n_lights = p.n_lights, .key = key}, progress)),
         radius(0.5f * scene.bounds().diagonal()),
-        slices(make_slices(receivers.receivers, radius, {})),
+        slices(make_slices(receivers.receivers, radius, {.max_rows = p.n_rows})),
         tree(build_light_tree(world, lights.lights, radius, {.key = key})),
-        cut{.clamp_distance = clamp_length(0.02f, -1, size_points(receivers.receivers, kSpp))} {}
+        cut{.n_clusters = p.n_clusters,
+            .clamp_distance = clamp_length(0.02f, -1, size_points(receivers.receivers, p.spp))} {}
   Frame(const Frame&) = delete;
   Frame& operator=(const Frame&) = delete;
 
@@ -76,7 +83,7 @@ struct Frame {
     return light_cut(world, rows(), slices.rows(s), lights.lights, tree, cut);
   }
 
-  RandomKey key{1, 0};
+  RandomKey key;
   Progress progress;
   Scene scene;
   Tracer tracer;
@@ -90,13 +97,14 @@ struct Frame {
   CutParams cut;
 };
 
-/// The frame of a scene; the one asked for before is dropped, so register benchmarks scene by scene.
+/// The frame of a scene, without quadrics, instances and cut-outs, so that raw Embree sees the same surfaces; the one
+/// asked for before is dropped, so register benchmarks scene by scene.
 inline const Frame& frame(const NamedScene& scene) {
   static std::string held;
   static std::unique_ptr<Frame> made;
   if (held != scene.path) {
     made.reset();
-    made = std::make_unique<Frame>(scene.path);
+    made = std::make_unique<Frame>(only_meshes(load_scene(scene.path)));
     held = scene.path;
   }
   return *made;

@@ -7,16 +7,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "bench_frame.h"
 #include "myrialux/base/clock.h"
 #include "myrialux/base/error.h"
-#include "myrialux/clusters/cut.h"
-#include "myrialux/pipeline/clamp.h"
 #include "myrialux/pipeline/parameters.h"
-#include "myrialux/scene/load.h"
 #include "myrialux/shading/shade.h"
 #include "myrialux/visibility/heavy_entries.h"
 #include "myrialux/visibility/slice_visibility.h"
@@ -25,9 +24,9 @@ namespace myrialux {
 namespace {
 
 struct Options {
-  int width = 1280, height = 720, spp = 4, n_repeats = 1;
-  std::uint64_t n_lights = 100000, seed = 0;
-  std::uint32_t n_clusters = 1000, n_slices = 100, n_rows = 1024;
+  bench::FrameParams frame{.width = 1280, .height = 720, .seed = 0};
+  std::uint32_t n_slices = 100;
+  int n_repeats = 1;
   bool json = false;
   std::vector<std::string> scenes, variants;
 };
@@ -60,13 +59,13 @@ Options read_options(int argc, char** argv) {
   CLI::App app("Visibility of slices: tracing all against completions, in one process");
   app.add_option("SCENE", o.scenes, "Scenes")->required();
   app.add_option("--size", size, "Pixels");
-  app.add_option("--spp", o.spp, "Camera samples a pixel");
-  app.add_option("--vpls", o.n_lights, "Virtual lights");
-  app.add_option("--clusters", o.n_clusters, "Columns a slice");
-  app.add_option("--rows", o.n_rows, "Receivers a slice");
+  app.add_option("--spp", o.frame.spp, "Camera samples a pixel");
+  app.add_option("--vpls", o.frame.n_lights, "Virtual lights");
+  app.add_option("--clusters", o.frame.n_clusters, "Columns a slice");
+  app.add_option("--rows", o.frame.n_rows, "Receivers a slice");
   app.add_option("--slices", o.n_slices, "Slices looked at, evenly spread over the frame");
   app.add_option("--repeat", o.n_repeats, "Runs of each, of which the fastest counts");
-  app.add_option("--seed", o.seed, "Random seed");
+  app.add_option("--seed", o.frame.seed, "Random seed");
   app.add_flag("--json", o.json, "One JSON object a line");
   app.add_option("--variant", o.variants, kVariants);
   try {
@@ -74,7 +73,7 @@ Options read_options(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     std::exit(app.exit(e));
   }
-  if (std::sscanf(size.c_str(), "%dx%d", &o.width, &o.height) != 2)
+  if (std::sscanf(size.c_str(), "%dx%d", &o.frame.width, &o.frame.height) != 2)
     throw Error(ErrorKind::usage, "--size: expected WxH, got " + size);
   if (o.variants.empty()) o.variants = {"lbamc", "bamc"};
   return o;
@@ -128,10 +127,10 @@ CompletionStats trace_some(const Variant& variant, SliceVisibility& slice, BitMa
   return stats;
 }
 
-/// Some slices of a frame: receivers, lights, tree as render() makes them in its first pass.
-class Frame {
+/// All ways to the bits of some slices of a frame.
+class Comparison {
  public:
-  Frame(const Scene& scene, const Options& o);
+  Comparison(const bench::Frame& frame, const Options& o);
   void run(const std::vector<Variant>& variants);
   void report(const std::string& scene, const std::vector<Variant>& variants) const;
 
@@ -141,65 +140,43 @@ class Frame {
   void prepare(std::size_t k, const Variant& variant, const std::vector<Column>& columns, SliceVisibility& slice) const;
   std::vector<double> pixel_luminance(const Tally& tally) const;
 
+  const bench::Frame& f_;
   const Options& o_;
-  Tracer tracer_;
-  Emitters emitters_;
-  World world_;
-  ReceiverResult rows_;
-  VirtualLights lights_;
-  float clamp_distance_ = 0, mean_radiance_ = 0;
-  Slices slices_;
-  LightTree tree_;
+  float mean_radiance_ = 0;
   std::vector<std::size_t> chosen_;  ///< slices looked at
   Tally full_;
   std::vector<Tally> tallies_;
 };
 
-Frame::Frame(const Scene& scene, const Options& o)
-    : o_(o),
-      tracer_(scene),
-      emitters_(scene, tracer_.bounds()),
-      world_{.scene = scene,
-             .tracer = tracer_,
-             .emitters = emitters_,
-             .max_depth = scene.max_depth,
-             .rr_depth = scene.rr_depth} {
-  Progress progress;
-  const RandomKey key{o.seed, 0};
-  rows_ = trace_receivers(world_, {.width = o.width, .height = o.height, .spp = o.spp, .key = key}, progress);
-  lights_ = trace_lights(world_, {.n_lights = o.n_lights, .direct = true, .key = key}, progress).lights;
-  clamp_distance_ = clamp_length(0.02f, -1, size_points(rows_.receivers, o.spp));
-  const float radius = 0.5f * scene.bounds().diagonal();
-  slices_ = make_slices(rows_.receivers, radius, {.max_rows = o.n_rows});
-  tree_ = build_light_tree(world_, lights_, radius, {.key = key});
-  const std::size_t n = std::min<std::size_t>(o.n_slices, slices_.size());
-  for (std::size_t k = 0; k < n; ++k) chosen_.push_back((2 * k + 1) * slices_.size() / (2 * n));
+Comparison::Comparison(const bench::Frame& frame, const Options& o) : f_(frame), o_(o) {
+  const std::size_t n_slices = frame.slices.size(), n = std::min<std::size_t>(o.n_slices, n_slices);
+  for (std::size_t k = 0; k < n; ++k) chosen_.push_back((2 * k + 1) * n_slices / (2 * n));
 }
 
 /// Tells the source what the method asks of it, as the slice driver does.
-void Frame::prepare(std::size_t k, const Variant& variant, const std::vector<Column>& columns,
-                    SliceVisibility& slice) const {
-  const std::span<const ReceiverId> rows = slices_.rows(chosen_[k]);
+void Comparison::prepare(std::size_t k, const Variant& variant, const std::vector<Column>& columns,
+                         SliceVisibility& slice) const {
+  const std::span<const ReceiverId> rows = f_.slices.rows(chosen_[k]);
   if (variant.method == "lbamc")
-    slice.set_block_energies(
-        BlockEnergies(world_, rows_.receivers, rows, lights_, tree_, columns, clamp_distance_, mean_radiance_));
+    slice.set_block_energies(BlockEnergies(f_.world, f_.rows(), rows, f_.lights.lights, f_.tree, columns,
+                                           f_.cut.clamp_distance, mean_radiance_));
   if (variant.method == "bamc" && variant.params.method.bamc_guard > 0)
-    slice.require(heavy_entries(world_, rows_.receivers, rows, lights_, tree_, columns, slice.active_matrix(),
-                                clamp_distance_, variant.params.method.bamc_guard * mean_radiance_));
+    slice.require(heavy_entries(f_.world, f_.rows(), rows, f_.lights.lights, f_.tree, columns, slice.active_matrix(),
+                                f_.cut.clamp_distance, variant.params.method.bamc_guard * mean_radiance_));
 }
 
 /// Least time of some repetitions; the bits are always the same.
-void Frame::run_slice(std::size_t k, const Variant& variant, const std::vector<Column>& columns, Tally& tally,
-                      BitMatrix& bits) {
-  const std::span<const ReceiverId> rows = slices_.rows(chosen_[k]);
+void Comparison::run_slice(std::size_t k, const Variant& variant, const std::vector<Column>& columns, Tally& tally,
+                           BitMatrix& bits) {
+  const std::span<const ReceiverId> rows = f_.slices.rows(chosen_[k]);
   double least = 0, least_trace = 0;
   for (int repeat = 0; repeat < o_.n_repeats; ++repeat) {
     const bool first = repeat == 0;
     bits = BitMatrix(rows.size(), columns.size());
-    SliceVisibility slice(world_, rows_.receivers, rows, lights_, columns, true);  // active bits: all need them
+    SliceVisibility slice(f_.world, f_.rows(), rows, f_.lights.lights, columns, true);  // active bits: all need them
     ThreadStopwatch cpu;
     prepare(k, variant, columns, slice);
-    Rng rng(RandomKey{o_.seed, 0}, Stage::visibility, chosen_[k]);
+    Rng rng(f_.key, Stage::visibility, chosen_[k]);
     CompletionStats stats;
     const MethodParams& p = variant.params.method;
     if (variant.method == "full")
@@ -216,25 +193,25 @@ void Frame::run_slice(std::size_t k, const Variant& variant, const std::vector<C
   }
   tally.seconds += least, tally.trace_seconds += least_trace;
   std::vector<Rgb> radiance(rows.size());
-  shade_slice(world_, rows_.receivers, rows, lights_, columns, bits, {.clamp_distance = clamp_distance_}, radiance);
+  shade_slice(f_.world, f_.rows(), rows, f_.lights.lights, columns, bits, {.clamp_distance = f_.cut.clamp_distance},
+              radiance);
   tally.radiance.insert(tally.radiance.end(), radiance.begin(), radiance.end());
 }
 
-void Frame::run(const std::vector<Variant>& variants) {
+void Comparison::run(const std::vector<Variant>& variants) {
   const Variant full{.text = "full", .method = "full", .params = {}};
   tallies_.assign(variants.size(), {});
   std::vector<std::vector<Column>> columns;
   std::vector<BitMatrix> truth(chosen_.size());
   double sum = 0, n = 0;
   for (std::size_t k = 0; k < chosen_.size(); ++k) {
-    columns.push_back(light_cut(world_, rows_.receivers, slices_.rows(chosen_[k]), lights_, tree_,
-                                {.n_clusters = o_.n_clusters, .clamp_distance = clamp_distance_}));
+    columns.push_back(f_.columns(chosen_[k]));
     // The mean radiance is needed first; its time counts with those of the others, slice by slice, below.
     Tally first;
     run_slice(k, full, columns[k], first, truth[k]);
     std::size_t r = 0;
-    for (const ReceiverId i : slices_.rows(chosen_[k]))
-      sum += luminance(rows_.receivers.beta[index(i)] * first.radiance[r++]), n += 1;
+    for (const ReceiverId i : f_.slices.rows(chosen_[k]))
+      sum += luminance(f_.rows().beta[index(i)] * first.radiance[r++]), n += 1;
   }
   mean_radiance_ = static_cast<float>(sum / n);
   for (std::size_t k = 0; k < chosen_.size(); ++k) {
@@ -254,66 +231,72 @@ void Frame::run(const std::vector<Variant>& variants) {
 }
 
 /// Of pixels that slices looked at reach, by the samples of those slices.
-std::vector<double> Frame::pixel_luminance(const Tally& tally) const {
+std::vector<double> Comparison::pixel_luminance(const Tally& tally) const {
   std::map<std::uint32_t, double> pixels;
   std::size_t r = 0;
   for (const std::size_t s : chosen_)
-    for (const ReceiverId i : slices_.rows(s))
-      pixels[rows_.receivers.sample[index(i)] / static_cast<std::uint32_t>(o_.spp)] +=
-          luminance(rows_.receivers.beta[index(i)] * tally.radiance[r++]) / o_.spp;
+    for (const ReceiverId i : f_.slices.rows(s))
+      pixels[f_.rows().sample[index(i)] / static_cast<std::uint32_t>(o_.frame.spp)] +=
+          luminance(f_.rows().beta[index(i)] * tally.radiance[r++]) / o_.frame.spp;
   std::vector<double> values;
   values.reserve(pixels.size());
   for (const auto& [pixel, value] : pixels) values.push_back(value);
   return values;
 }
 
-void Frame::report(const std::string& scene, const std::vector<Variant>& variants) const {
+/// Differences of pixels, over the reference's mean.
+struct PixelErrors {
+  double rmse = 0, trimmed_rmse = 0, bias = 0;  ///< trimmed: without the worst thousandth
+};
+
+PixelErrors pixel_errors(const std::vector<double>& reference, const std::vector<double>& pixels) {
+  const auto n = static_cast<double>(reference.size());
+  std::vector<double> squares;
+  double mean = 0, sum = 0, trimmed = 0, bias = 0;
+  for (std::size_t k = 0; k < pixels.size(); ++k) {
+    const double difference = pixels[k] - reference[k];
+    mean += reference[k] / n, bias += difference / n;
+    squares.push_back(difference * difference);
+  }
+  std::sort(squares.begin(), squares.end());
+  for (std::size_t k = 0; k < squares.size(); ++k) {
+    sum += squares[k] / n;
+    if (k < squares.size() - squares.size() / 1000) trimmed += squares[k] / n;
+  }
+  return {std::sqrt(sum) / mean, std::sqrt(trimmed) / mean, bias / mean};
+}
+
+void Comparison::report(const std::string& scene, const std::vector<Variant>& variants) const {
   const std::vector<double> reference = pixel_luminance(full_);
-  double mean = 0;
-  for (const double v : reference) mean += v / static_cast<double>(reference.size());
+  const auto percent = [](auto part, auto whole) {
+    return 100 * static_cast<double>(part) / static_cast<double>(whole);
+  };
+  const auto ms_a_slice = [&](double seconds) { return 1e3 * seconds / static_cast<double>(chosen_.size()); };
   for (std::size_t v = 0; v < variants.size(); ++v) {
     const Tally& t = tallies_[v];
-    const std::vector<double> pixels = pixel_luminance(t);
-    std::vector<double> squares(pixels.size());
-    double bias = 0, sum = 0, trimmed = 0;
-    for (std::size_t k = 0; k < pixels.size(); ++k) {
-      squares[k] = (pixels[k] - reference[k]) * (pixels[k] - reference[k]);
-      bias += (pixels[k] - reference[k]) / static_cast<double>(pixels.size());
-    }
-    std::sort(squares.begin(), squares.end());
-    for (std::size_t k = 0; k < squares.size(); ++k) {
-      sum += squares[k] / static_cast<double>(squares.size());
-      if (k < squares.size() - squares.size() / 1000) trimmed += squares[k] / static_cast<double>(squares.size());
-    }
-    const double entries = static_cast<double>(full_.entries);
-    const nlohmann::ordered_json line = {
-        {"scene", scene},
-        {"variant", variants[v].text},
-        {"speedup", full_.seconds / t.seconds},
-        {"rmse_percent", 100 * std::sqrt(sum) / mean},
-        {"trimmed_rmse_percent", 100 * std::sqrt(trimmed) / mean},
-        {"bias_percent", 100 * bias / mean},
-        {"traced_percent", 100 * static_cast<double>(t.traced) / entries},
-        {"packets_percent", 100 * static_cast<double>(t.packets) / static_cast<double>(full_.packets)},
-        {"wrong_percent", 100 * static_cast<double>(t.wrong) / entries},
-        {"false_visible_percent", 100 * static_cast<double>(t.false_visible) / entries},
-        {"full_ms_a_slice", 1e3 * full_.seconds / static_cast<double>(chosen_.size())},
-        {"ms_a_slice", 1e3 * t.seconds / static_cast<double>(chosen_.size())},
-        {"trace_ms_a_slice", 1e3 * t.trace_seconds / static_cast<double>(chosen_.size())}};
-    if (o_.json) {
+    const PixelErrors errors = pixel_errors(reference, pixel_luminance(t));
+    const nlohmann::ordered_json line = {{"scene", scene},
+                                         {"variant", variants[v].text},
+                                         {"speedup", full_.seconds / t.seconds},
+                                         {"rmse_percent", 100 * errors.rmse},
+                                         {"trimmed_rmse_percent", 100 * errors.trimmed_rmse},
+                                         {"bias_percent", 100 * errors.bias},
+                                         {"traced_percent", percent(t.traced, full_.entries)},
+                                         {"packets_percent", percent(t.packets, full_.packets)},
+                                         {"wrong_percent", percent(t.wrong, full_.entries)},
+                                         {"false_visible_percent", percent(t.false_visible, full_.entries)},
+                                         {"full_ms_a_slice", ms_a_slice(full_.seconds)},
+                                         {"ms_a_slice", ms_a_slice(t.seconds)},
+                                         {"trace_ms_a_slice", ms_a_slice(t.trace_seconds)}};
+    if (o_.json)
       fmt::print("{}\n", line.dump());
-    } else {
+    else
       fmt::print(
-          "{:12} {:5.2f}x err {:5.2f} ({:5.2f}) % bias {:+.2f} traced {:5.1f} pk {:5.1f} wrong {:.3f} (vis {:.3f}) % | "
-          "ms full {:.2f} this {:.2f} rays {:.2f} | {}\n",
-          scene, full_.seconds / t.seconds, 100 * std::sqrt(sum) / mean, 100 * std::sqrt(trimmed) / mean,
-          100 * bias / mean, 100 * static_cast<double>(t.traced) / entries,
-          100 * static_cast<double>(t.packets) / static_cast<double>(full_.packets),
-          100 * static_cast<double>(t.wrong) / entries, 100 * static_cast<double>(t.false_visible) / entries,
-          1e3 * full_.seconds / static_cast<double>(chosen_.size()),
-          1e3 * t.seconds / static_cast<double>(chosen_.size()),
-          1e3 * t.trace_seconds / static_cast<double>(chosen_.size()), variants[v].text);
-    }
+          "{:14} {:5.2f} times as fast, error {:5.2f} % ({:.2f} without the worst 0.1 %), bias {:+.2f} %, traced "
+          "{:.1f} % in {:.1f} % of the packets, wrong {:.3f} %: {}\n",
+          scene, line["speedup"].get<double>(), 100 * errors.rmse, 100 * errors.trimmed_rmse, 100 * errors.bias,
+          line["traced_percent"].get<double>(), line["packets_percent"].get<double>(),
+          line["wrong_percent"].get<double>(), variants[v].text);
     std::fflush(stdout);
   }
 }
@@ -323,11 +306,10 @@ void run(int argc, char** argv) {
   std::vector<Variant> variants;
   for (const std::string& text : options.variants) variants.push_back(read_variant(text));
   for (const std::string& path : options.scenes) {
-    const Scene scene = load_scene(path);
-    Frame frame(scene, options);
-    frame.run(variants);
-    const std::size_t end = path.rfind('/'), begin = path.rfind('/', end - 1);
-    frame.report(path.substr(begin + 1, end - begin - 1), variants);
+    const bench::Frame frame(load_scene(path), options.frame);
+    Comparison comparison(frame, options);
+    comparison.run(variants);
+    comparison.report(std::filesystem::path(path).parent_path().filename().string(), variants);
   }
 }
 
