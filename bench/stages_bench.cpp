@@ -138,10 +138,8 @@ void run_slice(const bench::Frame& f, std::size_t s, SliceSums& sums) {
   sums.cut_s += watch.lap();
   SliceVisibility source(f.world, f.rows(), rows, lights, columns, true);
   sums.active_s += watch.lap();
-  std::vector<float> energies((rows.size() + 15) / 16 + kCutLanes);
-  const BlockEnergies of_blocks(f.world, f.rows(), rows, lights, f.tree, columns, f.cut.clamp_distance, 1);
-  for (std::size_t j = 0; j < columns.size(); ++j) of_blocks.of(j, energies);
-  benchmark::DoNotOptimize(energies.data());
+  const BlockEnergies energies(f.world, f.rows(), rows, lights, f.tree, columns, f.cut.clamp_distance, 1);
+  benchmark::DoNotOptimize(energies.memory_bytes());
   sums.energies_s += watch.lap();
   BitMatrix visible(rows.size(), columns.size());
   sums.active += trace_all(source, visible).entries;

@@ -46,7 +46,7 @@ void measure_slice(const test::MethodFrame& f, const Slices& slices, const Light
                              .rows = rows,
                              .lights = f.lights,
                              .columns = columns,
-                             .source = source,
+                             .energies = *source.known_block_energies(),
                              .active = source.active_matrix(),
                              .clamp_distance = f.params.cut.clamp_distance,
                              .unit = unit};

@@ -45,7 +45,7 @@ class PlantedSlice {
             .rows = rows_,
             .lights = room_.lights,
             .columns = columns_,
-            .source = *source_,
+            .energies = *source_->known_block_energies(),
             .active = active,
             .clamp_distance = kClamp,
             .unit = kUnit,

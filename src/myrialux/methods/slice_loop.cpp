@@ -105,7 +105,7 @@ CompletedSlice SliceLoop::completed_slice(std::size_t s, std::span<const Column>
           .rows = slices_.rows(s),
           .lights = frame_.lights,
           .columns = columns,
-          .source = source,
+          .energies = *source.known_block_energies(),
           .active = source.active_matrix(),
           .clamp_distance = params_.cut.clamp_distance,
           .unit = mean_radiance_,

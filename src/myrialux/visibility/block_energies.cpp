@@ -49,41 +49,52 @@ void set_block(const World& world, const Receivers& receivers, std::span<const R
   set_cone(std::span(mirrors, rows.size()), g.mirror, lane);
 }
 
+/// Ball and cones of each block.
+BlockCones block_cones(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
+                       float clamp_distance, float unit) {
+  BlockCones blocks;
+  blocks.least_distance_squared = std::max(clamp_distance * clamp_distance, 1e-20f);
+  const std::size_t n_blocks = (rows.size() + kPacketRows - 1) / kPacketRows;
+  blocks.groups.resize((n_blocks + kCutLanes - 1) / kCutLanes);
+  for (std::size_t b = 0; b < n_blocks; ++b) {
+    BlockCones::Group& g = blocks.groups[b / kCutLanes];
+    const std::size_t lane = b % kCutLanes, first = b * kPacketRows;
+    set_block(world, receivers, rows.subspan(first, std::min(kPacketRows, rows.size() - first)), unit, g, lane);
+    blocks.any_gloss |= g.gloss[lane] > 0 || g.any[lane] > 0;
+  }
+  return blocks;
+}
+
+/// The first half of a float's bits, rounded up. @param x >= 0, finite
+std::uint16_t half_above(float x) {
+  const std::uint32_t bits = std::bit_cast<std::uint32_t>(std::min(x, 1e38f));
+  return static_cast<std::uint16_t>((bits + 0xffff) >> 16);
+}
+
 }  // namespace
 
 BlockEnergies::BlockEnergies(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
                              const VirtualLights& lights, const LightTree& tree, std::span<const Column> columns,
                              float clamp_distance, float unit)
-    : world_(world), lights_(lights), tree_(tree), columns_(columns.begin(), columns.end()) {
+    : n_columns_(columns.size()),
+      n_blocks_((rows.size() + kPacketRows - 1) / kPacketRows),
+      bounds_(n_columns_ * n_blocks_) {
   MYRIALUX_ASSERT(unit > 0);
-  blocks_.least_distance_squared = std::max(clamp_distance * clamp_distance, 1e-20f);
-  const std::size_t n_blocks = (rows.size() + kPacketRows - 1) / kPacketRows;
-  blocks_.groups.resize((n_blocks + kCutLanes - 1) / kCutLanes);
-  for (std::size_t b = 0; b < n_blocks; ++b) {
-    BlockCones::Group& g = blocks_.groups[b / kCutLanes];
-    const std::size_t lane = b % kCutLanes, first = b * kPacketRows;
-    set_block(world, receivers, rows.subspan(first, std::min(kPacketRows, rows.size() - first)), unit, g, lane);
-    blocks_.any_gloss |= g.gloss[lane] > 0 || g.any[lane] > 0;
+  const BlockCones blocks = block_cones(world, receivers, rows, clamp_distance, unit);
+  std::vector<float> bounds(blocks.groups.size() * kCutLanes);
+  for (std::size_t j = 0; j < n_columns_; ++j) {
+    const LightId light = columns[j].light;
+    bound_blocks(blocks, make_light_cluster(world, lights, light, tree.importance[index(light)], columns[j].weight),
+                 bounds);
+    for (std::size_t b = 0; b < n_blocks_; ++b) bounds_[j * n_blocks_ + b] = half_above(bounds[b]);
   }
 }
 
 void BlockEnergies::of(std::size_t j, std::span<float> energies) const {
-  const LightId light = columns_[j].light;
-  const CutCluster cluster =
-      make_light_cluster(world_, lights_, light, tree_.importance[index(light)], columns_[j].weight);
-  const std::size_t n = blocks_.groups.size() * kCutLanes;
-  if (energies.size() >= n) {
-    bound_blocks(blocks_, cluster, energies.first(n));
-    std::fill(energies.begin() + static_cast<std::ptrdiff_t>(n), energies.end(), 0.0f);
-    return;
-  }
-  std::vector<float> bounds(n);  // a last group that is not full
-  bound_blocks(blocks_, cluster, bounds);
-  std::copy(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(energies.size()), energies.begin());
-}
-
-std::size_t BlockEnergies::memory_bytes() const {
-  return columns_.size() * sizeof(Column) + blocks_.groups.size() * sizeof(BlockCones::Group);
+  MYRIALUX_ASSERT(energies.size() >= n_blocks_);
+  const std::uint16_t* const halves = bounds_.data() + j * n_blocks_;
+  for (std::size_t b = 0; b < n_blocks_; ++b) energies[b] = from_half(halves[b]);
+  std::fill(energies.begin() + static_cast<std::ptrdiff_t>(n_blocks_), energies.end(), 0.0f);
 }
 
 }  // namespace myrialux

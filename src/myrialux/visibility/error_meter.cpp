@@ -4,66 +4,73 @@
 #include <algorithm>
 
 #include "myrialux/base/assert.h"
+#include "myrialux/kernels/shadow_ends.h"
 #include "myrialux/matrix/bit_ops.h"
 #include "myrialux/transfer/transfer.h"
 
 namespace myrialux {
 namespace {
 
-/// Of EntrySource::block_energies().
-constexpr std::size_t kRowsInBlock = 16, kBlocksInWord = 64 / kRowsInBlock;
-
 /// Columns drawn by what they may bring to a block of rows: half of them in proportion, half evenly, as bounds of
 /// blocks can be loose by far, and an error found against all odds would count for too much.
 class EnergyDraw {
  public:
-  explicit EnergyDraw(const EntrySource& source);
+  explicit EnergyDraw(const BlockEnergies& energies);
   /// May bring anything.
-  bool any(std::size_t row) const { return sum(row, n_columns_) > 0; }
+  bool any(std::size_t row) const { return sum(row / kPacketRows, n_runs_) > 0; }
   /// @param u in [0, 1)
   std::size_t column(std::size_t row, float u) const;
   double probability(std::size_t row, std::size_t j) const;
 
  private:
-  /// Of the first n columns.
-  float sum(std::size_t row, std::size_t n) const { return sums_[n * n_blocks_ + row / kRowsInBlock]; }
-  std::size_t n_columns_, n_blocks_;
-  std::vector<float> sums_;  ///< [(columns + 1) x blocks], of the columns before
+  /// So many columns lie between two sums that are kept.
+  static constexpr std::size_t kRun = 8;
+
+  /// Of block b in the first n runs of columns.
+  float sum(std::size_t b, std::size_t n) const { return sums_[n * energies_.n_blocks() + b]; }
+  const BlockEnergies& energies_;
+  std::size_t n_columns_, n_runs_;
+  std::vector<float> sums_;  ///< [(runs + 1) x blocks]
 };
 
-EnergyDraw::EnergyDraw(const EntrySource& source)
-    : n_columns_(source.n_columns()), n_blocks_((source.n_rows() + 63) / 64 * kBlocksInWord) {  // whole words of rows
-  std::vector<float> energies(n_blocks_);
-  sums_.resize((n_columns_ + 1) * n_blocks_);
+EnergyDraw::EnergyDraw(const BlockEnergies& energies)
+    : energies_(energies), n_columns_(energies.n_columns()), n_runs_((n_columns_ + kRun - 1) / kRun) {
+  const std::size_t n_blocks = energies.n_blocks();
+  std::vector<float> all(n_blocks), of_column(n_blocks);
+  sums_.resize((n_runs_ + 1) * n_blocks);
   for (std::size_t j = 0; j < n_columns_; ++j) {
-    source.block_energies(j, energies);
-    const float* const before = sums_.data() + j * n_blocks_;
-    float* const after = sums_.data() + (j + 1) * n_blocks_;
-    for (std::size_t b = 0; b < n_blocks_; ++b) after[b] = before[b] + energies[b];
-  }
-  for (std::size_t b = 0; b < n_blocks_; ++b)
-    energies[b] = sums_[n_columns_ * n_blocks_ + b] / static_cast<float>(n_columns_);  // means
-  for (std::size_t j = 1; j <= n_columns_; ++j) {
-    float* const sums = sums_.data() + j * n_blocks_;
-    for (std::size_t b = 0; b < n_blocks_; ++b) sums[b] += static_cast<float>(j) * energies[b];
+    energies.of(j, of_column);
+    for (std::size_t b = 0; b < n_blocks; ++b) all[b] += of_column[b];
+    if (j % kRun == kRun - 1 || j == n_columns_ - 1)
+      std::copy(all.begin(), all.end(), sums_.begin() + static_cast<std::ptrdiff_t>((j / kRun + 1) * n_blocks));
   }
 }
 
 std::size_t EnergyDraw::column(std::size_t row, float u) const {
-  const float at = u * sum(row, n_columns_);
-  std::size_t first = 0, end = n_columns_ - 1;  // the last one whose sum before it is at most `at`
-  while (first < end) {
-    const std::size_t middle = (first + end + 1) / 2;
-    if (sum(row, middle) > at)
+  if (u < 0.5f) return std::min(static_cast<std::size_t>(2 * u * static_cast<float>(n_columns_)), n_columns_ - 1);
+  const std::size_t b = row / kPacketRows;
+  float at = (2 * u - 1) * sum(b, n_runs_);
+  std::size_t run = 0, end = n_runs_ - 1;  // the last one whose sum before it is at most `at`
+  while (run < end) {
+    const std::size_t middle = (run + end + 1) / 2;
+    if (sum(b, middle) > at)
       end = middle - 1;
     else
-      first = middle;
+      run = middle;
   }
-  return first;
+  at -= sum(b, run);
+  const std::size_t last = std::min((run + 1) * kRun, n_columns_) - 1;
+  for (std::size_t j = run * kRun; j < last; ++j) {
+    at -= energies_.of(j, b);
+    if (at < 0) return j;
+  }
+  return last;
 }
 
 double EnergyDraw::probability(std::size_t row, std::size_t j) const {
-  return static_cast<double>(sum(row, j + 1) - sum(row, j)) / static_cast<double>(sum(row, n_columns_));
+  const std::size_t b = row / kPacketRows;
+  return 0.5 / static_cast<double>(n_columns_) +
+         0.5 * static_cast<double>(energies_.of(j, b)) / static_cast<double>(sum(b, n_runs_));
 }
 
 class Meter {
@@ -72,7 +79,7 @@ class Meter {
       : s_(slice),
         visible_(visible),
         rng_(rng),
-        by_energy_(slice.source),
+        by_energy_(slice.energies),
         has_active_(slice.active.words_per_column()) {
     for (std::size_t j = 0; j < slice.active.n_columns(); ++j)
       for (std::size_t w = 0; w < has_active_.size(); ++w) has_active_[w] |= slice.active.column(j)[w];

@@ -2,7 +2,8 @@
 #pragma once
 
 #include "myrialux/clusters/cut.h"
-#include "myrialux/matrix/entry_source.h"
+#include "myrialux/matrix/bit_matrix.h"
+#include "myrialux/visibility/block_energies.h"
 
 namespace myrialux {
 
@@ -29,7 +30,7 @@ struct CompletedSlice {
   std::span<const ReceiverId> rows;
   const VirtualLights& lights;
   std::span<const Column> columns;
-  const EntrySource& source;  ///< tells what blocks may bring
+  const BlockEnergies& energies;
   const BitMatrix& active;    ///< [rows x columns]
   float clamp_distance = 0;
   float unit = 1;         ///< radiance that counts as energy 1; > 0
@@ -43,7 +44,7 @@ struct CompletedSlice {
 /// wrong entries of their error times the pixel's: so where such an entry is wrong, kFollowingRays, drawn alike, tell
 /// the pixel's error (of its rows in this slice). Wrong bits of a pixel come together: squares of single entries alone
 /// would tell as little as a tenth. Unbiased in all numbers; `squares` may come out negative. Cost: a scattered ray a
-/// row and a quarter, kFollowingRays for each that is wrong in the quarter, the energies of all blocks.
+/// row and a quarter, kFollowingRays for each that is wrong in the quarter.
 MeterReading measure_errors(const CompletedSlice& slice, const BitMatrix& visible, Rng& rng);
 
 }  // namespace myrialux

@@ -261,6 +261,9 @@ void SliceVisibility::block_energies(std::size_t j, std::span<float> energies) c
 void SliceVisibility::set_block_energies(BlockEnergies energies) {
   state_->block_energies.emplace(std::move(energies));
 }
+const BlockEnergies* SliceVisibility::known_block_energies() const {
+  return state_->block_energies ? &*state_->block_energies : nullptr;
+}
 std::uint64_t SliceVisibility::rays() const { return state_->rays; }
 std::uint64_t SliceVisibility::packets() const { return state_->packets; }
 

@@ -14,7 +14,7 @@
 namespace myrialux {
 
 /// Entry source over a slice; rows in slice order, columns as the cut gave them, groups = octants. Keeps no reference
-/// to receivers, lights and columns (but for those of BlockEnergies), only to the tracer. Not shared between threads.
+/// to receivers, lights and columns, only to the tracer. Not shared between threads.
 class SliceVisibility final : public EntrySource {
  public:
   /// @param cull false: all rows of all columns count as active (the published form)
@@ -38,6 +38,8 @@ class SliceVisibility final : public EntrySource {
   void set_energies(std::vector<float> energies);
   /// What blocks may bring; nothing is known before this call.
   void set_block_energies(BlockEnergies energies);
+  /// Null before they are set.
+  const BlockEnergies* known_block_energies() const;
   std::uint64_t rays() const;     ///< shadow rays so far
   std::uint64_t packets() const;  ///< packets they travelled in
   double trace_seconds() const;   ///< CPU seconds this thread spent in trace()
