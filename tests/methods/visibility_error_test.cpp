@@ -110,11 +110,14 @@ TEST(VisibilityError, SlicesThatThePilotMissedAreDoneAgain) {
   const Outcome loose = run(f, 1), r = run(f, 0.002f);
   const std::vector<Rgb> full = run(f, 0, "slice-lightcuts").result.radiance;
   ASSERT_EQ(loose.meter().slack, 8);
-  ASSERT_EQ(r.meter().slack, 8) << "the pilot must not see the posts";
+  ASSERT_EQ(r.meter().pilot_error, loose.meter().pilot_error) << "the pilot must not see the posts";
+  EXPECT_LT(r.meter().slack, 8) << "the meter does";
   EXPECT_EQ(loose.meter().redone_slices, 0u);
   EXPECT_GT(r.meter().redone_slices, 0u);
   EXPECT_GT(r.stats.visibility.traced, loose.stats.visibility.traced);
-  EXPECT_LT(relative_rmse(full, r.result.radiance), relative_rmse(full, loose.result.radiance));
+  // Measured: 0.0056, with the pilot's slack 0.0516.
+  EXPECT_LT(relative_rmse(full, r.result.radiance), 0.0085);
+  EXPECT_GT(relative_rmse(full, loose.result.radiance), 0.03);
   for (const Outcome* o : {&loose, &r})
     EXPECT_EQ(o->stats.rays.shadow, o->stats.visibility.traced + o->meter().rays + o->meter().more_rays);
 }

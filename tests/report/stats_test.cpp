@@ -81,10 +81,10 @@ TEST(Stats, MeterTellsEstimatesWithTheirIntervals) {
   RenderStats::Visibility::Meter& m = s.visibility.meter;
   m.rays = 1000, m.wrong = 10, m.more_rays = 400, m.slices = 40, m.redone_slices = 3;
   m.error_square = 4e-4, m.error_square_variance = 1e-8;  // standard error 1e-4
-  m.bias = -1e-3, m.bias_variance = 4e-8, m.slack = 2, m.pilot_error = 0.004;
+  m.bias = -1e-3, m.bias_variance = 4e-8, m.mean_radiance = 0.3, m.slack = 2, m.pilot_error = 0.004;
   const ordered_json j = ordered_json::parse(to_json(s))["visibility"]["meter"];
-  EXPECT_THAT(keys(j), ElementsAre("rays", "more_rays", "wrong", "error", "bias", "pilot_error", "slack", "slices",
-                                   "redone_slices"));
+  EXPECT_THAT(keys(j), ElementsAre("rays", "more_rays", "wrong", "error", "bias", "mean_radiance", "pilot_error",
+                                   "slack", "slices", "redone_slices"));
   for (const char* key : {"wrong", "error", "bias"})
     EXPECT_THAT(keys(j[key]), ElementsAre("estimate", "low", "high")) << key;
   EXPECT_EQ(j["rays"], 1000);
@@ -93,6 +93,7 @@ TEST(Stats, MeterTellsEstimatesWithTheirIntervals) {
   EXPECT_EQ(j["redone_slices"], 3);
   EXPECT_EQ(j["pilot_error"], 0.004);
   EXPECT_EQ(j["slack"], 2);
+  EXPECT_EQ(j["mean_radiance"], 0.3);
   const Interval wrong = share_interval(10, 1000);
   EXPECT_EQ(j["wrong"]["estimate"], 0.01);
   EXPECT_EQ(j["wrong"]["low"], wrong.low);
@@ -119,8 +120,10 @@ TEST(Stats, MeterOfManyPassesIsTheirMean) {
             .redone_slices = 1,
             .error_square = 1e-4 * k,
             .error_square_variance = 1e-10,
+            .error_square_third = 1e-16,
             .bias = 1e-3 * k,
             .bias_variance = 1e-8,
+            .mean_radiance = k,
             .slack = k,
             .pilot_error = 0.01 * k};
   sum.divide(2);
@@ -131,6 +134,8 @@ TEST(Stats, MeterOfManyPassesIsTheirMean) {
   EXPECT_EQ(sum.redone_slices, 2u);
   EXPECT_DOUBLE_EQ(sum.error_square, 2e-4);
   EXPECT_DOUBLE_EQ(sum.error_square_variance, 5e-11) << "of a mean of two";
+  EXPECT_DOUBLE_EQ(sum.error_square_third, 2.5e-17);
+  EXPECT_DOUBLE_EQ(sum.mean_radiance, 2);
   EXPECT_DOUBLE_EQ(sum.bias, 2e-3);
   EXPECT_DOUBLE_EQ(sum.bias_variance, 5e-9);
   EXPECT_DOUBLE_EQ(sum.slack, 2);

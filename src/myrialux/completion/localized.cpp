@@ -357,18 +357,16 @@ float LocalizedCompletion::share_of_copied(std::size_t b, bool settled) const {
 /// After blocks are traced, before others are copied.
 void LocalizedCompletion::note_doubts(bool settled) {
   for (const std::uint32_t b : active_blocks_) {
-    float& doubt = (*doubts_)(b, j_);
-    if ((block_of(active_, b) & ~block_of(traced_, b)) == 0)
-      doubt = 0;
-    else if (done_.test(b))
-      doubt = kPartlyShare;
+    if ((block_of(active_, b) & ~block_of(traced_, b)) == 0) continue;
+    if (done_.test(b))
+      doubts_->set(b, j_, kPartlyShare);
     else
-      doubt = sees_.test(b) && misses_.test(b) ? kMixedShare : share_of_copied(b, settled);
+      doubts_->set(b, j_, sees_.test(b) && misses_.test(b) ? kMixedShare : share_of_copied(b, settled));
   }
 }
 
 void LocalizedCompletion::note_uniform_doubts() {
-  for (const std::uint32_t b : active_blocks_) (*doubts_)(b, j_) = share_of_copied(b, true);
+  for (const std::uint32_t b : active_blocks_) doubts_->set(b, j_, share_of_copied(b, true));
 }
 
 /// Wants an active row in each four of a block where none is traced yet.

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "myrialux/base/rng.h"
 #include "myrialux/completion/completion_stats.h"
+#include "myrialux/matrix/block_doubts.h"
 #include "myrialux/matrix/entry_source.h"
 
 namespace myrialux {
@@ -29,21 +29,6 @@ struct LocalizedParams {
 /// The same with all energies times `slack`: larger ones leave more to copies. @param slack > 0
 LocalizedParams with_slack(const LocalizedParams& params, float slack);
 
-/// How sure the bits of blocks of 16 rows are: the share of a block's active bits, not counting traced ones, that is
-/// expected to be wrong. Estimated from how often samples contradict; see docs/methods/lbamc.md.
-class BlockDoubts {
- public:
-  BlockDoubts(std::size_t n_rows, std::size_t n_columns)
-      : n_blocks_((n_rows + 15) / 16), doubts_(n_blocks_ * n_columns) {}
-  std::size_t n_blocks() const { return n_blocks_; }
-  float& operator()(std::size_t block, std::size_t j) { return doubts_[j * n_blocks_ + block]; }
-  float operator()(std::size_t block, std::size_t j) const { return doubts_[j * n_blocks_ + block]; }
-
- private:
-  std::size_t n_blocks_;
-  std::vector<float> doubts_;  ///< 0: all active rows are traced
-};
-
 /// Fills `visible` (n_rows x n_columns, all 0 at entry): traced bits as traced, others copied; inactive bits are 0. No
 /// entry is asked for twice. Column after column:
 ///  1. A column of few active rows is traced whole, and so is the first.
@@ -58,7 +43,7 @@ class BlockDoubts {
 /// last columns is the doubt, of which `risk` makes a limit of energy: where copies fail, as in hair and foliage, most
 /// blocks that matter are traced. Groups of columns are not told apart: the nearest column is found wherever it is.
 /// @throws Error (usage) for counts of 0 where >= 1 is asked for, negative energies
-/// @param doubts set where not null
+/// @param doubts set where not null; all 0 at entry
 CompletionStats complete_localized(EntrySource& source, const LocalizedParams& params, Rng& rng, BitMatrix& visible,
                                    BlockDoubts* doubts = nullptr);
 

@@ -5,8 +5,8 @@
 namespace myrialux {
 
 MethodResult render_lbamc(const FrameView& frame, const MethodParams& params, Progress& progress, RenderStats& stats) {
-  const auto complete = [&](EntrySource& source, Rng& rng, BitMatrix& visible, float slack) {
-    return complete_localized(source, with_slack(params.lbamc, slack), rng, visible);
+  const auto complete = [&](EntrySource& source, Rng& rng, BitMatrix& visible, float slack, BlockDoubts* doubts) {
+    return complete_localized(source, with_slack(params.lbamc, slack), rng, visible, doubts);
   };
   return render_slices(frame, params, {.complete_within = complete, .largest_error = params.visibility_error}, progress,
                        stats);

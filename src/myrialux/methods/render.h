@@ -78,8 +78,9 @@ struct FrameView {
   const World& world;
   const Receivers& receivers;
   const VirtualLights& lights;
-  float scene_radius = 0;  ///< of the bounding sphere, for normal weights
-  int spp = 1;             ///< camera samples a pixel: receiver i is in pixel (first_sample + sample[i]) / spp
+  float scene_radius = 0;     ///< of the bounding sphere, for normal weights
+  int spp = 1;                ///< camera samples a pixel: receiver i is in pixel (first_sample + sample[i]) / spp
+  std::size_t n_samples = 0;  ///< camera samples, with those that have no receiver; 0: all have one
 };
 
 /// What it gives back; all indexed by receiver.

@@ -41,11 +41,12 @@ struct SliceMethod {
   /// Prepares the choice of columns, once a frame. Empty: light_cut().
   std::function<ChooseColumns(const SliceFrame&)> columns = {};
   bool energies = false;  ///< the source tells what columns may bring
-  /// In place of `complete`, where set: completion with about `slack` times the error that it has with 1. The source
-  /// tells what blocks may bring, and the pilot finds the slack with which its own slices stay within `largest_error`.
-  /// Slices are then checked by random rays, and completed again with less slack where too much was wrong. Frames of
-  /// few slices have no pilot: all is traced.
-  std::function<CompletionStats(EntrySource& source, Rng& rng, BitMatrix& visible, float slack)> complete_within = {};
+  /// In place of `complete`, where set: completion with about `slack` times the error that it has with 1, which says
+  /// how sure it is of its blocks, too (not where null). The source tells what blocks may bring, and the pilot finds
+  /// the slack with which its own slices stay within `largest_error`. Slices are then checked by random rays, and
+  /// completed again with less slack where too much was wrong. Frames of few slices have no pilot: all is traced.
+  std::function<CompletionStats(EntrySource& source, Rng& rng, BitMatrix& visible, float slack, BlockDoubts* doubts)>
+      complete_within = {};
   /// Of complete_within: root mean square over pixels, over the mean radiance; 0: all is traced.
   float largest_error = 0;
 };

@@ -17,10 +17,24 @@ namespace {
 /// A slice whose estimated error is above this many times the frame's limit is completed again with less slack: errors
 /// of slices differ, and a slice's estimate hangs on a few wrong rays, of which there must be some.
 constexpr double kRedoneAbove = 3;
-constexpr std::uint64_t kLeastWrongRays = 3;
+constexpr std::uint64_t kLeastWrongRays = 16;
 constexpr float kRedoneSlack = 0.25f;
 
+/// The whole frame is completed again so often at most, with no less than this part of the slack.
+constexpr int kMostRounds = 2;
+constexpr double kLargestStep = 1.0 / 16;
+
 }  // namespace
+
+void SliceReport::add_cost_of(const SliceReport& before) {
+  completion.traced += before.completion.traced;
+  rays += before.rays;
+  meter.more_rays += before.meter.rays + before.meter.more_rays;
+  redone |= before.columns > 0;
+  mean_rays = before.mean_rays, mean_s = before.mean_s;
+  cut_s += before.cut_s, visibility_s += before.visibility_s, complete_s += before.complete_s,
+      shade_s += before.shade_s;
+}
 
 SliceLoop::SliceLoop(const FrameView& frame, const MethodParams& params, const SliceMethod& method,
                      const Slices& slices, const LightTree& tree, ChooseColumns choose_columns)
@@ -43,11 +57,34 @@ void SliceLoop::run(Progress& progress) {
   if (!has_meter()) slack_ = 0;  // without a pilot, or where it is black, nobody knows what copies would do
   // Where no slack is small enough all is traced, and the error is known to be 0.
   if (has_meter()) result.visibility_error.resize(frame_.receivers.size());
+  render_all(progress);
+  for (int round = 0; round < kMostRounds && tighten(); ++round) {
+    progress.stage("slices, with less copied", slices_.size() - pilot_.size(), "slices");
+    render_all(progress);
+  }
+}
+
+void SliceLoop::render_all(Progress& progress) {
   parallel_for(slices_.size(), [&](std::size_t s) {
     if (in_pilot(s)) return;
+    const SliceReport before = std::exchange(reports_[s], {});
     render(s);
+    reports_[s].add_cost_of(before);
     progress.advance(1);
   });
+}
+
+/// Sets less slack if even the low end of the frame's error is above its limit. The pilot's slices are few: those of
+/// small frames can be far from the others. Errors grow at least with the root of the slack (docs/visibility.md).
+bool SliceLoop::tighten() {
+  if (!has_meter() || slack_ <= 0) return false;
+  const MeterErrors errors = meter_errors(frame_meter());
+  const double limit = static_cast<double>(method_.largest_error);
+  if (errors.error_interval.low <= limit) return false;
+  const double step = limit / errors.error;
+  const auto tighter = static_cast<float>(on_scale(static_cast<double>(slack_) * std::max(kLargestStep, step * step)));
+  slack_ = slack_ > kLeastSlack ? std::max(tighter, kLeastSlack) : 0.0f;
+  return true;
 }
 
 /// One slice from its cut to its radiance.
@@ -71,41 +108,50 @@ void SliceLoop::render(std::size_t s) {
   report.shade_s = cpu.lap();
   report.rays = source.rays() + report.meter.rays + report.meter.more_rays;
   report.columns = columns.size();
-  report.memory_bytes = source.memory_bytes() + visible.n_words() * sizeof(std::uint64_t);
+  report.memory_bytes += source.memory_bytes() + visible.n_words() * sizeof(std::uint64_t);
 }
 
-CompletionStats SliceLoop::complete_with(EntrySource& source, std::size_t s, float slack, BitMatrix& visible) const {
+CompletionStats SliceLoop::complete_with(EntrySource& source, std::size_t s, float slack, BitMatrix& visible,
+                                         BlockDoubts* doubts) const {
   Rng rng(params_.key, Stage::visibility, s);
   if (!method_.complete_within) return method_.complete(source, rng, visible);
-  return slack > 0 ? method_.complete_within(source, rng, visible, slack) : trace_all(source, visible);
+  return slack > 0 ? method_.complete_within(source, rng, visible, slack, doubts) : trace_all(source, visible);
 }
 
 /// Completes, looks how wrong it went, and does it again where that is too much.
 void SliceLoop::complete(std::size_t s, std::span<const Column> columns, SliceVisibility& source, BitMatrix& visible) {
   SliceReport& report = reports_[s];
-  report.completion = complete_with(source, s, slack_, visible);
-  if (!has_meter() || slack_ <= 0) return;
-  const CompletedSlice slice = completed_slice(s, columns, source);
+  const bool is_measured = has_meter() && slack_ > 0;
+  if (!is_measured) {
+    report.completion = complete_with(source, s, slack_, visible, nullptr);
+    return;
+  }
+  BlockDoubts doubts(visible.n_rows(), visible.n_columns());
+  report.completion = complete_with(source, s, slack_, visible, &doubts);
+  report.memory_bytes = doubts.memory_bytes();
+  const CompletedSlice slice = completed_slice(s, columns, source, doubts);
   Rng rng(params_.key, Stage::error_meter, s);
   report.meter = measure_errors(slice, visible, rng);
   if (!is_redone(report.meter, slice.rows.size())) return;
   const std::uint64_t n_rays = report.meter.rays + report.meter.more_rays, n_traced = report.completion.traced;
   visible = BitMatrix(visible.n_rows(), visible.n_columns());
-  report.completion = complete_with(source, s, kRedoneSlack * slack_, visible);
+  doubts = BlockDoubts(visible.n_rows(), visible.n_columns());
+  report.completion = complete_with(source, s, kRedoneSlack * slack_, visible, &doubts);
   report.completion.traced += n_traced;
   report.meter = measure_errors(slice, visible, rng);
   report.meter.more_rays += n_rays;
   report.redone = true;
 }
 
-CompletedSlice SliceLoop::completed_slice(std::size_t s, std::span<const Column> columns,
-                                          const SliceVisibility& source) const {
+CompletedSlice SliceLoop::completed_slice(std::size_t s, std::span<const Column> columns, const SliceVisibility& source,
+                                          const BlockDoubts& doubts) const {
   return {.world = frame_.world,
           .receivers = frame_.receivers,
           .rows = slices_.rows(s),
           .lights = frame_.lights,
           .columns = columns,
           .energies = *source.known_block_energies(),
+          .doubts = doubts,
           .active = source.active_matrix(),
           .clamp_distance = params_.cut.clamp_distance,
           .unit = mean_radiance_,
@@ -188,24 +234,28 @@ void SliceLoop::finish(double loop_wall_s, RenderStats& stats, RenderStats::Visi
   if (n > 0) stats.clusters_mean += static_cast<double>(sum.columns) / static_cast<double>(n);
   const double radiance = sum.radiance_sum + sum.clamped_away_sum;
   stats.clamped_energy_fraction += radiance > 0 ? sum.clamped_away_sum / radiance : 0;
-  if (has_meter()) add_meter(meter);
+  if (!has_meter()) return;
+  meter = frame_meter();
   v.meter += meter;
+  if (meter.mean_radiance <= 0) return;
+  const float unit = mean_radiance_ / static_cast<float>(meter.mean_radiance);
+  for (float& error : result.visibility_error) error *= unit;
 }
 
-/// Radiance that the meter counts as 1, over the mean of the frame, which is known now: the pilot's slices are few.
-double SliceLoop::unit_of_frame() const {
+/// Mean radiance from virtual lights, which is known now: the pilot's slices are few.
+double SliceLoop::mean_of_frame() const {
   double sum = 0;
   for (std::size_t i = 0; i < result.radiance.size(); ++i)
     sum += static_cast<double>(luminance(frame_.receivers.beta[i] * result.radiance[i]));
-  const double mean = sum / static_cast<double>(std::max<std::size_t>(1, result.radiance.size()));
-  return mean > 0 ? static_cast<double>(mean_radiance_) / mean : 1;
+  return sum / (samples_per_row() * static_cast<double>(std::max<std::size_t>(1, result.radiance.size())));
 }
 
 /// Squares and bias are sums over slices, whose scatter tells how sure they are.
-void SliceLoop::add_meter(RenderStats::Visibility::Meter& meter) {
-  const double unit = unit_of_frame();
-  for (float& error : result.visibility_error) error *= static_cast<float>(unit);
-  double squares = 0, squares2 = 0, bias = 0, bias2 = 0, n_rows = 0;
+RenderStats::Visibility::Meter SliceLoop::frame_meter() const {
+  RenderStats::Visibility::Meter meter;
+  const double frame_mean = mean_of_frame(),
+               unit = frame_mean > 0 ? static_cast<double>(mean_radiance_) / frame_mean : 1;
+  double squares = 0, squares2 = 0, squares3 = 0, bias = 0, bias2 = 0, n_rows = 0;
   for (std::size_t s = 0; s < reports_.size(); ++s) {
     const SliceReport& r = reports_[s];
     meter.rays += r.meter.rays;
@@ -213,6 +263,7 @@ void SliceLoop::add_meter(RenderStats::Visibility::Meter& meter) {
     meter.wrong += r.meter.false_visible + r.meter.false_occluded;
     meter.redone_slices += r.redone ? 1 : 0;
     squares += r.meter.squares, squares2 += r.meter.squares * r.meter.squares;
+    squares3 += r.meter.squares * r.meter.squares * r.meter.squares;
     bias += r.meter.bias, bias2 += r.meter.bias * r.meter.bias;
     n_rows += static_cast<double>(slices_.rows(s).size());
   }
@@ -220,10 +271,14 @@ void SliceLoop::add_meter(RenderStats::Visibility::Meter& meter) {
   meter.slices = reports_.size();
   meter.error_square = scale * squares;
   meter.error_square_variance = scale * scale * std::max(0.0, squares2 - squares * squares / n);
-  meter.bias = unit * bias / n_rows;
-  meter.bias_variance = unit * unit * std::max(0.0, bias2 - bias * bias / n) / (n_rows * n_rows);
+  const double mean = squares / n;
+  meter.error_square_third = scale * scale * scale * (squares3 - 3 * mean * squares2 + 2 * mean * mean * squares);
+  meter.bias = unit * bias / (n_rows * samples_per_row());
+  meter.bias_variance = unit * unit * std::max(0.0, bias2 - bias * bias / n) / std::pow(n_rows * samples_per_row(), 2);
+  meter.mean_radiance = frame_mean;
   meter.slack = static_cast<double>(slack_);
   meter.pilot_error = pilot_error_;
+  return meter;
 }
 
 }  // namespace myrialux

@@ -19,7 +19,17 @@ struct SliceReport {
   std::uint64_t mean_rays = 0;  ///< of a block of rows traced beforehand, for the frame's mean
   double mean_s = 0;            ///< CPU seconds of that
   double cut_s = 0, visibility_s = 0, complete_s = 0, shade_s = 0;  ///< CPU seconds
+
+  /// What was done beforehand: for the frame's mean, or with a slack that was too large.
+  void add_cost_of(const SliceReport& before);
 };
+
+/// The slack is looked for between these; where the least one is too large, all is traced (0).
+inline constexpr float kLeastSlack = 1.0f / 64, kLargestSlack = 8;
+
+/// The nearest number on a scale of 64 steps an octave; 0 for what is not positive. What decides which entries are
+/// traced must not hang on how sums were rounded, which differs between instruction sets.
+double on_scale(double x);
 
 /// A slice of the pilot, traced whole.
 struct PilotSlice {
@@ -39,7 +49,7 @@ class SliceLoop {
   /// Traces some slices whole; their mean radiance (complete_within: with that of rows of many more) sets the limit of
   /// what may be guessed in the others, and their errors set the slack.
   void run_pilot(Progress& progress);
-  /// All other slices.
+  /// All other slices; all of them again, with less slack, where the meter is sure that they err more than they may.
   void run(Progress& progress);
   /// Adds counters, and times in proportion to CPU time, as threads work on different stages
   /// at the same time.
@@ -49,12 +59,16 @@ class SliceLoop {
   MethodResult result;
 
  private:
+  void render_all(Progress& progress);
   void render(std::size_t s);
+  bool tighten();
   void render_pilot(std::size_t k);
   double mean_of_slices(double pilot_mean);
   void complete(std::size_t s, std::span<const Column> columns, SliceVisibility& source, BitMatrix& visible);
-  CompletionStats complete_with(EntrySource& source, std::size_t s, float slack, BitMatrix& visible) const;
-  CompletedSlice completed_slice(std::size_t s, std::span<const Column> columns, const SliceVisibility& source) const;
+  CompletionStats complete_with(EntrySource& source, std::size_t s, float slack, BitMatrix& visible,
+                                BlockDoubts* doubts) const;
+  CompletedSlice completed_slice(std::size_t s, std::span<const Column> columns, const SliceVisibility& source,
+                                 const BlockDoubts& doubts) const;
   bool is_redone(const MeterReading& meter, std::size_t n_rows) const;
   void prepare(std::size_t s, std::span<const Column> columns, SliceVisibility& source) const;
   void shade(std::size_t s, std::span<const Column> columns, const BitMatrix& visible);
@@ -67,11 +81,18 @@ class SliceLoop {
   std::size_t pilot_slice(std::size_t k) const { return first_pilot_ + k * pilot_stride_; }
   bool in_pilot(std::size_t s) const { return !pilot_.empty() && s % pilot_stride_ == first_pilot_; }
   /// Mean over pixels, from the sum of their squares.
-  double mean_square(double squares, double n_rows) const { return squares / (n_rows * frame_.spp); }
+  double mean_square(double squares, double n_rows) const {
+    return squares / (n_rows * samples_per_row() * frame_.spp);
+  }
+  /// Samples without a receiver are black.
+  double samples_per_row() const {
+    const std::size_t n_rows = std::max<std::size_t>(1, frame_.receivers.size());
+    return static_cast<double>(std::max(n_rows, frame_.n_samples)) / static_cast<double>(n_rows);
+  }
   bool has_meter() const { return method_.complete_within && mean_radiance_ > 0; }
 
-  double unit_of_frame() const;
-  void add_meter(RenderStats::Visibility::Meter& meter);
+  double mean_of_frame() const;
+  RenderStats::Visibility::Meter frame_meter() const;
 
   const FrameView& frame_;
   const MethodParams& params_;
@@ -83,10 +104,12 @@ class SliceLoop {
   std::vector<PilotSlice> pilot_;     ///< empty slices once the pilot is over
   std::size_t pilot_stride_ = 1, first_pilot_ = 0;
   std::uint64_t pilot_bytes_ = 0;
-  float mean_radiance_ = 0;  ///< of the frame as the pilot tells, to a hundredth, beta included; 0: no pilot
-  float guess_limit_ = 0;    ///< weight of an entry, radiance; 0: all may be guessed
-  float slack_ = 1;          ///< of complete_within; 0: all is traced
-  double pilot_error_ = 0;   ///< of the pilot with that slack: root mean square over pixels, over the mean radiance
+  /// Of the frame as the pilot tells, to a hundredth, beta included: of its pixels where completion keeps to an error,
+  /// else of its receivers. 0: no pilot.
+  float mean_radiance_ = 0;
+  float guess_limit_ = 0;   ///< weight of an entry, radiance; 0: all may be guessed
+  float slack_ = 1;         ///< of complete_within; 0: all is traced
+  double pilot_error_ = 0;  ///< of the pilot with that slack: root mean square over pixels, over the mean radiance
 };
 
 }  // namespace myrialux

@@ -18,14 +18,9 @@ namespace {
 /// For the mean radiance: so many slices, but one of so many at most.
 constexpr std::size_t kMeanSlices = 256, kMeanStride = 8;
 
-/// The slack is looked for in steps of 2 between these.
-constexpr float kLeastSlack = 1.0f / 64, kLargestSlack = 8;
-
-/// The nearest number on a scale of 64 steps an octave. What decides which entries are traced must not hang on how sums
-/// were rounded, which differs between instruction sets.
-double on_scale(double x) { return x > 0 ? std::exp2(std::round(std::log2(x) * 64) / 64) : 0; }
-
 }  // namespace
+
+double on_scale(double x) { return x > 0 ? std::exp2(std::round(std::log2(x) * 64) / 64) : 0; }
 
 std::size_t pilot_stride(std::size_t n_slices) { return std::max<std::size_t>(kPilotStride, n_slices / kPilotSlices); }
 
@@ -51,7 +46,8 @@ void SliceLoop::run_pilot(Progress& progress) {
     for (std::size_t r = 0; r < rows.size(); ++r)
       sum += luminance(frame_.receivers.beta[index(rows[r])] * pilot_[k].radiance[r]), n_rows += 1;
   }
-  mean_radiance_ = static_cast<float>(on_scale(method_.complete_within ? mean_of_slices(sum / n_rows) : sum / n_rows));
+  const double mean = method_.complete_within ? mean_of_slices(sum / n_rows) / samples_per_row() : sum / n_rows;
+  mean_radiance_ = static_cast<float>(on_scale(mean));
   guess_limit_ = method_.guard * mean_radiance_;
 
   parallel_for(pilot_.size(), [&](std::size_t k) {
@@ -146,14 +142,14 @@ double SliceLoop::pilot_square(float slack) {
   std::vector<double> squares(pilot_.size());
   double n_pixels = 0;
   for (std::size_t k = 0; k < pilot_.size(); ++k)
-    n_pixels += static_cast<double>(slices_.rows(pilot_slice(k)).size()) / frame_.spp;
+    n_pixels += static_cast<double>(slices_.rows(pilot_slice(k)).size()) * samples_per_row() / frame_.spp;
   parallel_for(pilot_.size(), [&](std::size_t k) {
     const PilotSlice& slice = pilot_[k];
     const std::size_t s = pilot_slice(k);
     ThreadStopwatch cpu;
     TracedEntries source(*slice.source, slice.truth);
     BitMatrix completed(slice.truth.n_rows(), slice.truth.n_columns());
-    complete_with(source, s, slack, completed);
+    complete_with(source, s, slack, completed, nullptr);
     std::vector<Rgb> radiance(slice.radiance.size());
     shade_slice(frame_.world, frame_.receivers, slices_.rows(s), frame_.lights, slice.columns, completed,
                 {.clamp_distance = params_.cut.clamp_distance}, radiance);
@@ -195,7 +191,7 @@ void SliceLoop::check_pilot() {
     ThreadStopwatch cpu;
     TracedEntries source(*slice.source, slice.truth);
     BitMatrix completed(slice.truth.n_rows(), slice.truth.n_columns());
-    report.checked = complete_with(source, s, slack_, completed).entries;
+    report.checked = complete_with(source, s, slack_, completed, nullptr).entries;
     for (std::size_t j = 0; j < slice.columns.size(); ++j) {
       const Words bits = std::as_const(completed).column(j), true_bits = slice.truth.column(j);
       for (std::size_t w = 0; w < bits.size(); ++w) {

@@ -329,8 +329,13 @@ void add_to_frame(const World& world, const Settings& settings, const Method& me
   Stopwatch wall;
 
   // The method: which entries are joined, and how they are summed.
-  MethodResult result =
-      method({world, receivers, lights, settings.scene_radius, params.spp}, method_params, progress, stats);
+  MethodResult result = method({.world = world,
+                                .receivers = receivers,
+                                .lights = lights,
+                                .scene_radius = settings.scene_radius,
+                                .spp = params.spp,
+                                .n_samples = rows.samples.size()},
+                               method_params, progress, stats);
   wall.lap();
 
   // What virtual lights leave out, by rays of each receiver's own.

@@ -80,9 +80,13 @@ FrameRun SharedFrame::run(const std::string& name, double budget, Progress& prog
   const Receivers& receivers = state_->rows.receivers;
   Stopwatch wall;
   ProcessStopwatch cpu;
-  const MethodResult result =
-      method.render({state_->world, receivers, state_->lights, state_->scene_radius, state_->params.spp}, params,
-                    progress, run.stats);
+  const MethodResult result = method.render({.world = state_->world,
+                                             .receivers = receivers,
+                                             .lights = state_->lights,
+                                             .scene_radius = state_->scene_radius,
+                                             .spp = state_->params.spp,
+                                             .n_samples = state_->rows.samples.size()},
+                                            params, progress, run.stats);
   run.seconds = wall.elapsed(), run.cpu_seconds = cpu.elapsed();
 
   const auto spp = static_cast<std::size_t>(state_->params.spp);

@@ -38,6 +38,7 @@ Json meter_json(const RenderStats::Visibility::Meter& m) {
           {"wrong", interval_json(errors.wrong, errors.wrong_interval)},
           {"error", interval_json(errors.error, errors.error_interval)},
           {"bias", interval_json(errors.bias, errors.bias_interval)},
+          {"mean_radiance", m.mean_radiance},
           {"pilot_error", m.pilot_error},
           {"slack", m.slack},
           {"slices", m.slices},
@@ -75,11 +76,10 @@ MeterErrors meter_errors(const RenderStats::Visibility::Meter& m) {
   if (m.rays == 0) return e;
   e.wrong = static_cast<double>(m.wrong) / static_cast<double>(m.rays);
   e.wrong_interval = share_interval(m.wrong, m.rays);
-  const double half_square = kNormal95 * std::sqrt(m.error_square_variance),
-               half_bias = kNormal95 * std::sqrt(m.bias_variance);
+  const double half_bias = kNormal95 * std::sqrt(m.bias_variance);
   e.error = std::sqrt(std::max(0.0, m.error_square));
-  e.error_interval = {std::sqrt(std::max(0.0, m.error_square - half_square)),
-                      std::sqrt(std::max(0.0, m.error_square + half_square))};
+  const Interval square = skewed_interval(m.error_square, m.error_square_variance, m.error_square_third);
+  e.error_interval = {std::sqrt(std::max(0.0, square.low)), std::sqrt(std::max(0.0, square.high))};
   e.bias = m.bias;
   e.bias_interval = {m.bias - half_bias, m.bias + half_bias};
   return e;

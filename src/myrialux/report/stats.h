@@ -31,20 +31,25 @@ struct RenderStats {
       std::uint64_t slices = 0, redone_slices = 0;
       double error_square = 0;           ///< mean square over pixels, over the mean radiance
       double error_square_variance = 0;  ///< of that estimate
+      double error_square_third = 0;     ///< its third central moment
       double bias = 0, bias_variance = 0;
-      double slack = 0;        ///< see with_slack()
-      double pilot_error = 0;  ///< true error of the pilot's slices at that slack
+      double mean_radiance = 0;  ///< of pixels, from virtual lights; luminance
+      double slack = 0;          ///< see with_slack()
+      double pilot_error = 0;    ///< true error of the pilot's slices at that slack
       Meter& operator+=(const Meter& o) {
         rays += o.rays, wrong += o.wrong, more_rays += o.more_rays, slices += o.slices,
             redone_slices += o.redone_slices;
         error_square += o.error_square, error_square_variance += o.error_square_variance;
-        bias += o.bias, bias_variance += o.bias_variance, slack += o.slack, pilot_error += o.pilot_error;
+        error_square_third += o.error_square_third;
+        bias += o.bias, bias_variance += o.bias_variance, slack += o.slack, mean_radiance += o.mean_radiance,
+            pilot_error += o.pilot_error;
         return *this;
       }
       /// From sums over n passes to means.
       void divide(double n) {
-        error_square /= n, error_square_variance /= n * n, bias /= n, bias_variance /= n * n;
-        slack /= n, pilot_error /= n;
+        error_square /= n, error_square_variance /= n * n, error_square_third /= n * n * n, bias /= n,
+            bias_variance /= n * n;
+        slack /= n, mean_radiance /= n, pilot_error /= n;
       }
     } meter;
   } visibility;

@@ -65,12 +65,6 @@ BlockCones block_cones(const World& world, const Receivers& receivers, std::span
   return blocks;
 }
 
-/// The first half of a float's bits, rounded up. @param x >= 0, finite
-std::uint16_t half_above(float x) {
-  const std::uint32_t bits = std::bit_cast<std::uint32_t>(std::min(x, 1e38f));
-  return static_cast<std::uint16_t>((bits + 0xffff) >> 16);
-}
-
 }  // namespace
 
 BlockEnergies::BlockEnergies(const World& world, const Receivers& receivers, std::span<const ReceiverId> rows,
@@ -86,14 +80,13 @@ BlockEnergies::BlockEnergies(const World& world, const Receivers& receivers, std
     const LightId light = columns[j].light;
     bound_blocks(blocks, make_light_cluster(world, lights, light, tree.importance[index(light)], columns[j].weight),
                  bounds);
-    for (std::size_t b = 0; b < n_blocks_; ++b) bounds_[j * n_blocks_ + b] = half_above(bounds[b]);
+    for (std::size_t b = 0; b < n_blocks_; ++b) bounds_[j * n_blocks_ + b] = short_above(bounds[b]);
   }
 }
 
 void BlockEnergies::of(std::size_t j, std::span<float> energies) const {
   MYRIALUX_ASSERT(energies.size() >= n_blocks_);
-  const std::uint16_t* const halves = bounds_.data() + j * n_blocks_;
-  for (std::size_t b = 0; b < n_blocks_; ++b) energies[b] = from_half(halves[b]);
+  for (std::size_t b = 0; b < n_blocks_; ++b) energies[b] = of(j, b);
   std::fill(energies.begin() + static_cast<std::ptrdiff_t>(n_blocks_), energies.end(), 0.0f);
 }
 

@@ -1,10 +1,9 @@
 // What the entries of a block of 16 rows may bring at most: where a completion should look.
 #pragma once
 
-#include <bit>
-#include <cstdint>
 #include <vector>
 
+#include "myrialux/base/short_float.h"
 #include "myrialux/clusters/cut.h"
 #include "myrialux/kernels/block_bounds.h"
 
@@ -23,16 +22,13 @@ class BlockEnergies {
   /// Of column j. @param energies [blocks, in whole words of rows]; 0 for blocks beyond the rows
   void of(std::size_t j, std::span<float> energies) const;
   /// Of one block.
-  float of(std::size_t j, std::size_t b) const { return from_half(bounds_[j * n_blocks_ + b]); }
+  float of(std::size_t j, std::size_t b) const { return from_short(bounds_[j * n_blocks_ + b]); }
   std::size_t n_columns() const { return n_columns_; }
   /// Those with rows.
   std::size_t n_blocks() const { return n_blocks_; }
   std::size_t memory_bytes() const { return bounds_.size() * sizeof(std::uint16_t); }
 
  private:
-  /// The first half of a float's bits.
-  static float from_half(std::uint16_t half) { return std::bit_cast<float>(std::uint32_t{half} << 16); }
-
   std::size_t n_columns_, n_blocks_;
   std::vector<std::uint16_t> bounds_;  ///< [columns x blocks], rounded up to 8 bits of mantissa
 };

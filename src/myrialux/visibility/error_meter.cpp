@@ -1,7 +1,8 @@
-// Entries are drawn evenly, by rejection, and by the energy of their blocks; only wrong ones need their transfer.
+// Entries are drawn evenly, by rejection, and by energy and doubt of their blocks; only wrong ones need their transfer.
 #include "myrialux/visibility/error_meter.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "myrialux/base/assert.h"
 #include "myrialux/kernels/shadow_ends.h"
@@ -11,45 +12,52 @@
 namespace myrialux {
 namespace {
 
-/// Columns drawn by what they may bring to a block of rows: half of them in proportion, half evenly, as bounds of
-/// blocks can be loose by far, and an error found against all odds would count for too much.
-class EnergyDraw {
+/// Columns drawn in proportion to what wrong bits of a block of rows may come to: its energy times the root of its
+/// doubt, which has the least variance where doubts are right. Some are drawn evenly, as bounds of blocks can be loose
+/// by far and doubts too small, and an error found against all odds would count for too much.
+class EntryDraw {
  public:
-  explicit EnergyDraw(const BlockEnergies& energies);
-  /// May bring anything.
+  EntryDraw(const BlockEnergies& energies, const BlockDoubts& doubts);
+  /// False: all entries of the row are known or bring nothing.
   bool any(std::size_t row) const { return sum(row / kPacketRows, n_runs_) > 0; }
   /// @param u in [0, 1)
   std::size_t column(std::size_t row, float u) const;
   double probability(std::size_t row, std::size_t j) const;
 
  private:
+  static constexpr float kEvenShare = 0.25f;
   /// So many columns lie between two sums that are kept.
   static constexpr std::size_t kRun = 8;
 
+  float weight(std::size_t b, std::size_t j) const {
+    return energies_.of(j, b) * std::sqrt(doubts_(b, j) + (doubts_(b, j) > 0 ? 0.01f : 0));
+  }
   /// Of block b in the first n runs of columns.
   float sum(std::size_t b, std::size_t n) const { return sums_[n * energies_.n_blocks() + b]; }
+
   const BlockEnergies& energies_;
+  const BlockDoubts& doubts_;
   std::size_t n_columns_, n_runs_;
   std::vector<float> sums_;  ///< [(runs + 1) x blocks]
 };
 
-EnergyDraw::EnergyDraw(const BlockEnergies& energies)
-    : energies_(energies), n_columns_(energies.n_columns()), n_runs_((n_columns_ + kRun - 1) / kRun) {
+EntryDraw::EntryDraw(const BlockEnergies& energies, const BlockDoubts& doubts)
+    : energies_(energies), doubts_(doubts), n_columns_(energies.n_columns()), n_runs_((n_columns_ + kRun - 1) / kRun) {
   const std::size_t n_blocks = energies.n_blocks();
-  std::vector<float> all(n_blocks), of_column(n_blocks);
+  std::vector<float> all(n_blocks);
   sums_.resize((n_runs_ + 1) * n_blocks);
   for (std::size_t j = 0; j < n_columns_; ++j) {
-    energies.of(j, of_column);
-    for (std::size_t b = 0; b < n_blocks; ++b) all[b] += of_column[b];
+    for (std::size_t b = 0; b < n_blocks; ++b) all[b] += weight(b, j);
     if (j % kRun == kRun - 1 || j == n_columns_ - 1)
       std::copy(all.begin(), all.end(), sums_.begin() + static_cast<std::ptrdiff_t>((j / kRun + 1) * n_blocks));
   }
 }
 
-std::size_t EnergyDraw::column(std::size_t row, float u) const {
-  if (u < 0.5f) return std::min(static_cast<std::size_t>(2 * u * static_cast<float>(n_columns_)), n_columns_ - 1);
+std::size_t EntryDraw::column(std::size_t row, float u) const {
+  if (u < kEvenShare)
+    return std::min(static_cast<std::size_t>(u / kEvenShare * static_cast<float>(n_columns_)), n_columns_ - 1);
   const std::size_t b = row / kPacketRows;
-  float at = (2 * u - 1) * sum(b, n_runs_);
+  float at = (u - kEvenShare) / (1 - kEvenShare) * sum(b, n_runs_);
   std::size_t run = 0, end = n_runs_ - 1;  // the last one whose sum before it is at most `at`
   while (run < end) {
     const std::size_t middle = (run + end + 1) / 2;
@@ -61,16 +69,17 @@ std::size_t EnergyDraw::column(std::size_t row, float u) const {
   at -= sum(b, run);
   const std::size_t last = std::min((run + 1) * kRun, n_columns_) - 1;
   for (std::size_t j = run * kRun; j < last; ++j) {
-    at -= energies_.of(j, b);
+    at -= weight(b, j);
     if (at < 0) return j;
   }
   return last;
 }
 
-double EnergyDraw::probability(std::size_t row, std::size_t j) const {
+double EntryDraw::probability(std::size_t row, std::size_t j) const {
+  constexpr double even = static_cast<double>(kEvenShare);
   const std::size_t b = row / kPacketRows;
-  return 0.5 / static_cast<double>(n_columns_) +
-         0.5 * static_cast<double>(energies_.of(j, b)) / static_cast<double>(sum(b, n_runs_));
+  return even / static_cast<double>(n_columns_) +
+         (1 - even) * static_cast<double>(weight(b, j)) / static_cast<double>(sum(b, n_runs_));
 }
 
 class Meter {
@@ -79,7 +88,7 @@ class Meter {
       : s_(slice),
         visible_(visible),
         rng_(rng),
-        by_energy_(slice.energies),
+        draw_(slice.energies, slice.doubts),
         has_active_(slice.active.words_per_column()) {
     for (std::size_t j = 0; j < slice.active.n_columns(); ++j)
       for (std::size_t w = 0; w < has_active_.size(); ++w) has_active_[w] |= slice.active.column(j)[w];
@@ -99,7 +108,7 @@ class Meter {
   const CompletedSlice& s_;
   const BitMatrix& visible_;
   Rng& rng_;
-  const EnergyDraw by_energy_;
+  const EntryDraw draw_;
   std::vector<std::uint64_t> has_active_;  ///< bits of rows
   std::vector<std::uint32_t> by_pixel_;    ///< rows that have active entries, pixel by pixel; made when first needed
   MeterReading reading_;
@@ -123,13 +132,13 @@ void Meter::look_evenly(std::size_t row) {
 }
 
 void Meter::look_by_energy(std::size_t row) {
-  if (!by_energy_.any(row)) return;
-  const std::size_t j = by_energy_.column(row, rng_.next());
+  if (!draw_.any(row)) return;
+  const std::size_t j = draw_.column(row, rng_.next());
   if (!s_.active.test(row, j)) return;  // its error is 0
   ++reading_.more_rays;
   if (!is_wrong(row, j)) return;
   ++reading_.wrong_by_energy;
-  const double e = kRowsByEnergy * error(row, j) / by_energy_.probability(row, j);
+  const double e = kRowsByEnergy * error(row, j) / draw_.probability(row, j);
   reading_.bias += e;
   reading_.squares += e * follow(row, j);
 }
@@ -151,11 +160,11 @@ double Meter::error(std::size_t row, std::size_t j) const {
 
 /// Estimates the error of a row by one entry, that of an entry known left out.
 double Meter::draw_error(std::size_t row, std::size_t known_row, std::size_t known_column) {
-  if (!by_energy_.any(row)) return 0;
-  const std::size_t j = by_energy_.column(row, rng_.next());
+  if (!draw_.any(row)) return 0;
+  const std::size_t j = draw_.column(row, rng_.next());
   if (!s_.active.test(row, j) || (row == known_row && j == known_column)) return 0;
   ++reading_.more_rays;
-  return is_wrong(row, j) ? error(row, j) / by_energy_.probability(row, j) : 0;
+  return is_wrong(row, j) ? error(row, j) / draw_.probability(row, j) : 0;
 }
 
 /// Estimates the error of the row's pixel. That of entry (row, j), found wrong, is known; all others are drawn, the
