@@ -297,7 +297,7 @@ std::size_t SliceVisibility::memory_bytes() const {
   return s.blocks.size() * (sizeof(RowBlock) + sizeof(BlockOffsets)) + s.lights.size() * sizeof(ShadowLight) +
          s.starts.size() * sizeof(BlockStarts) + s.ends.size() * sizeof(std::optional<KnownEnd>) +
          (s.block_energies ? s.block_energies->memory_bytes() : 0) + s.points.size() * sizeof(RowPoint) +
-         s.energies.size() * sizeof(float) + (s.occluders ? sizeof(OccluderCache) : 0) + (s.active.n_words() + s.required.n_words()) * sizeof(std::uint64_t);
+         s.energies.size() * sizeof(float) + (s.active.n_words() + s.required.n_words()) * sizeof(std::uint64_t);
 }
 
 void SliceVisibility::trace(std::size_t j, Words wanted, MutableWords visible) {
