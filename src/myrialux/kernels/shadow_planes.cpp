@@ -25,7 +25,7 @@ HWY_INLINE V3 cross(V3 a, V3 b) {
   return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
-HWY_INLINE V length(V3 a) { return hn::Sqrt(dot(a, a)); }
+HWY_INLINE V length(V3 a) { return hn::Sqrt(dot_unfused(a, a)); }
 HWY_INLINE V3 corner(D d, const OccluderCorners& corners, int k, std::size_t t) {
   return {hn::Load(d, corners.v[k][0] + t), hn::Load(d, corners.v[k][1] + t), hn::Load(d, corners.v[k][2] + t)};
 }
@@ -52,22 +52,21 @@ std::uint32_t planes_of(const OccluderCorners& corners, const KnownEnd& end, con
     }
     const V farthest = hn::Add(hn::Add(length(v[0] - centre), radius), longest_edge);  // from a row to a corner
     const V3 n = cross(edge[0], v[2] - v[0]);
-    const V area = length(n), side = dot(n, w[0]);
+    const V area = length(n), side = dot_unfused(n, w[0]);
     const V sign = hn::CopySign(one, hn::Neg(side));
-    const Mask valid = hn::Gt(hn::Abs(side), hn::Mul(hn::Mul(area, hn::Set(d, kLeastSine)),
-                                                     end.distant ? one : hn::Add(ray, farthest)));
-    const V inwards = hn::Mul(longest_edge,
-                              hn::Add(hn::Mul(margin, hn::Mul(hn::Add(ray, longest_w), farthest)),
-                                      hn::Mul(coordinates, longest_w)));
+    const Mask valid = hn::Gt(
+        hn::Abs(side), hn::Mul(hn::Mul(area, hn::Set(d, kLeastSine)), end.distant ? one : hn::Add(ray, farthest)));
+    const V inwards = hn::Mul(longest_edge, hn::Add(hn::Mul(margin, hn::Mul(hn::Add(ray, longest_w), farthest)),
+                                                    hn::Mul(coordinates, longest_w)));
     Mask reaches = valid;
     const auto store = [&](int k, V3 normal, V3 point, V moved) {
       const V3 turned = normal * sign;
       hn::Store(turned.x, d, planes.n[k][0] + t);
       hn::Store(turned.y, d, planes.n[k][1] + t);
       hn::Store(turned.z, d, planes.n[k][2] + t);
-      const V offset = hn::Neg(hn::Add(dot(turned, point), moved));
+      const V offset = hn::Neg(hn::Add(dot_unfused(turned, point), moved));
       hn::Store(offset, d, planes.d[k] + t);
-      const V most = hn::Add(hn::Add(dot(turned, centre), offset), hn::Mul(length(turned), radius));
+      const V most = hn::Add(hn::Add(dot_unfused(turned, centre), offset), hn::Mul(length(turned), radius));
       reaches = hn::And(reaches, hn::Gt(most, zero));
     };
     for (int k = 0; k < 3; ++k) store(k, cross(edge[k], w[k]), v[k], inwards);
@@ -89,10 +88,8 @@ std::uint64_t in_shadow(const float* const p[3], std::uint64_t rows, const Shado
     std::uint64_t left = all;
     for (const std::uint8_t t : order) {
       const auto value = [&](int k) {
-        return hn::MulAdd(
-            hn::Set(d, planes.n[k][0][t]), x,
-            hn::MulAdd(hn::Set(d, planes.n[k][1][t]), y,
-                       hn::MulAdd(hn::Set(d, planes.n[k][2][t]), z, hn::Set(d, planes.d[k][t]))));
+        const V3 n{hn::Set(d, planes.n[k][0][t]), hn::Set(d, planes.n[k][1][t]), hn::Set(d, planes.n[k][2][t])};
+        return hn::Add(dot_unfused(n, {x, y, z}), hn::Set(d, planes.d[k][t]));
       };
       const V least = hn::Min(hn::Min(value(0), value(1)), hn::Min(value(2), value(3)));
       const std::uint64_t blocked = bits_of(hn::Gt(least, hn::Zero(d))) & left;

@@ -35,13 +35,14 @@ struct RowsBound {
 
 /// Planes of all triangles for one end of shadow rays. They are moved inwards by about twenty times the error that a
 /// tracer in single precision makes (its sums are products of an edge, a ray's length and a corner's distance), so that
-/// a row in the shadow is one whose ray it finds blocked. Triangles seen edge-on and those close to the light get planes
-/// that no row is within. Returns a bit for each triangle whose shadow may reach any row.
+/// a row in the shadow is one whose ray it finds blocked. Triangles seen edge-on and those close to the light get
+/// planes that no row is within. Returns a bit for each triangle whose shadow may reach any row.
 std::uint32_t shadow_planes(const OccluderCorners& corners, const KnownEnd& end, const RowsBound& rows,
                             ShadowPlanes& planes);
 
 /// Rows of `rows` in the shadow of one of the triangles `order`, which are tried one after the other. Adds to
-/// `counts` how many each has settled. Cost: 12 operations a triangle and vector of rows.
+/// `counts` how many each has settled. Cost: 30 operations a triangle and vector of rows. Both
+/// functions give the same bits on every instruction set.
 /// @param p positions of 64 rows, aligned as in RowBlock
 std::uint64_t shadowed_rows(const float* const p[3], std::uint64_t rows, const ShadowPlanes& planes,
                             std::span<const std::uint8_t> order, std::span<std::uint32_t, kOccluders> counts);
