@@ -36,6 +36,7 @@ struct Variant {
   TunedParams params;
   std::size_t every = 1;   ///< of `full`: one block of this many
   bool scattered = false;  ///< of `full`: one row of it
+  bool occluders = false;  ///< triangles that blocked rays are remembered
 };
 
 /// One way to the bits of all slices looked at.
@@ -51,7 +52,8 @@ constexpr const char* kVariants =
     "What is compared with tracing all: METHOD key=value ...\n"
     "lbamc, bamc: keys as -D without the method's name; lbamc also slack=X (energies times X)\n"
     "full every=N: only every Nth block of 16 rows is traced, in coherent packets\n"
-    "full every=N scattered=1: only one row of each of these, gathered in packets of 16\n";
+    "full every=N scattered=1: only one row of each of these, gathered in packets of 16\n"
+    "all: occluders=0 or 1: whether triangles that blocked rays are remembered (full: 0, others: 1)\n";
 
 Options read_options(int argc, char** argv) {
   Options o;
@@ -85,6 +87,7 @@ Variant read_variant(const std::string& text) {
   words >> v.method;
   if (v.method != "lbamc" && v.method != "bamc" && v.method != "full")
     throw Error(ErrorKind::usage, "--variant " + text + ": begins with lbamc, bamc or full");
+  v.occluders = v.method != "full";
   std::map<std::string, std::string> extra;
   float slack = 1;
   for (std::string word; words >> word;) {
@@ -95,6 +98,8 @@ Variant read_variant(const std::string& text) {
       v.every = std::stoul(value);
     else if (v.method == "full" && key == "scattered")
       v.scattered = value == "1";
+    else if (key == "occluders")
+      v.occluders = value == "1";
     else if (v.method == "lbamc" && key == "slack")
       slack = std::stof(value);
     else
@@ -174,6 +179,7 @@ void Comparison::run_slice(std::size_t k, const Variant& variant, const std::vec
     const bool first = repeat == 0;
     bits = BitMatrix(rows.size(), columns.size());
     SliceVisibility slice(f_.world, f_.rows(), rows, f_.lights.lights, columns, true);  // active bits: all need them
+    if (!variant.occluders) slice.forget_occluders();
     ThreadStopwatch cpu;
     prepare(k, variant, columns, slice);
     Rng rng(f_.key, Stage::visibility, chosen_[k]);

@@ -113,6 +113,24 @@ std::optional<SurfacePoint> Tracer::closest(const Ray& ray) const {
                       at.offset, record.shape, shape.material, shape.emitter, hit.primID};
 }
 
+std::optional<std::array<Vec3, 3>> Tracer::solid_triangle(const Ray& ray) const {
+  const Acceleration& a = *state_;
+  const Vec3 o = ray.origin, d = ray.direction;
+  QueryContext context;
+  init(context, a, true);
+  for (int axis = 0; axis < 3; ++axis) context.from[axis] = &o.x + axis, context.to[axis] = &d.x + axis;
+  RTCRayHit query{};
+  query.ray = {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, ray.t_max, 0xffffffffu, 0, 0};
+  query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  embree_intersect(a.meshes, context.embree, query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  const GeometryRecord& record = a.placed[query.hit.geomID];
+  if (record.is_masked || record.is_null) return std::nullopt;
+  const Mesh& mesh = a.scene.meshes[index(std::get<MeshId>(record.the_shape().geometry))];
+  const std::uint32_t* const corner = &mesh.indices[3 * std::size_t{query.hit.primID}];
+  return std::array{mesh.positions[corner[0]], mesh.positions[corner[1]], mesh.positions[corner[2]]};
+}
+
 bool Tracer::occluded(Vec3 a, Vec3 b) const { return trace_one(*state_, a, b, false); }
 bool Tracer::occluded_direction(Vec3 origin, Vec3 direction) const {
   return trace_one(*state_, origin, direction, true);

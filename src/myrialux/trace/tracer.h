@@ -59,6 +59,10 @@ class Tracer {
   /// First surface along the ray within (0, t_max], cut-outs (masks) skipped.
   std::optional<SurfacePoint> closest(const Ray& ray) const;
 
+  /// Corners of the first triangle of a mesh along the ray, world space; quadrics and instances do not count. None if
+  /// there is none, or if it has cut-outs or never blocks.
+  std::optional<std::array<Vec3, 3>> solid_triangle(const Ray& ray) const;
+
   /// Is anything between a and b? Ends must already be offset. Masked surfaces block with probability = opacity,
   /// decided by a hash of the segment's ends and the primitive: same answer from every function below.
   bool occluded(Vec3 a, Vec3 b) const;

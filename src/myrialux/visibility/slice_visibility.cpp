@@ -12,6 +12,7 @@
 #include "myrialux/matrix/bit_ops.h"
 #include "myrialux/trace/embree.h"
 #include "myrialux/transfer/transfer.h"
+#include "myrialux/visibility/occluder_cache.h"
 #include "myrialux/visibility/shadow_light.h"
 
 namespace myrialux {
@@ -20,6 +21,12 @@ namespace {
 /// A packet's cost hardly depends on how many lanes are on, and 16 far rows cost about two packets of 16 near ones: so
 /// blocks with fewer wanted rows than this share packets with others.
 constexpr int kLeastOwnRows = 8;
+
+/// Remembered triangles are turned to a light for at least so many packets of adjacent rows: for fewer it does not pay.
+constexpr std::size_t kLeastPackets = 8;
+
+/// A packet with so many blocked rays tells a triangle worth remembering; one is asked for in each column.
+constexpr int kLeastBlocked = 8;
 
 /// Time in steps of any length, as fast as can be.
 std::uint64_t read_ticks() {
@@ -111,6 +118,10 @@ struct SliceVisibility::State {
   std::vector<float> energies;   ///< [n_columns], or empty
   std::optional<BlockEnergies> block_energies;
   Packets on_the_way;
+  std::optional<OccluderCache> occluders;  ///< where ends are known; empty: nothing is remembered
+  std::size_t aimed_at = ~std::size_t{0};  ///< column
+  bool is_searching = false;               ///< for a triangle to remember
+  bool is_remembering = false;             ///< in the call at hand
   std::uint64_t rays = 0, packets = 0;
   std::uint64_t ticks_in_trace = 0, first_tick = read_ticks();
   Stopwatch wall;
@@ -128,6 +139,11 @@ struct SliceVisibility::State {
   void land(MutableWords visible);
   void gather(GatheredRows& gathered, std::size_t j, std::size_t word, std::uint64_t rows, MutableWords visible);
   void send_gathered(GatheredRows& gathered, std::size_t j, MutableWords visible);
+  void aim(std::size_t j, Words wanted);
+  std::uint64_t shadowed_blocks(std::size_t word, std::uint64_t wanted);
+  void leave_out_shadowed(GatheredRows& gathered, MutableWords visible);
+  void remember_occluder();
+  bool is_shadowed() const { return is_remembering && !occluders->is_clear(); }
   bool is_fixed(std::size_t j) const { return !ends.empty() && ends[j].has_value(); }
 };
 
@@ -147,6 +163,7 @@ SliceVisibility::SliceVisibility(const World& world, const Receivers& receivers,
                        .energies = {},
                        .block_energies = {},
                        .on_the_way = {},
+                       .occluders = {},
                        .wall = {},
                        .cpu = {}}) {
   State& s = *state_;
@@ -222,6 +239,12 @@ void SliceVisibility::State::fix_ends(const VirtualLights& all, std::span<const 
     for (int k = 0; k < 3; ++k)
       for (std::size_t row = 0; row < kBlockRows; ++row)
         starts[b].p[k][row] = blocks[b].p[k][row] + blocks[b].ng[k][row] * offsets[b].offset[row];
+  Box3 box;
+  for (std::size_t r = 0; r < n_rows; ++r) {
+    const BlockStarts& start = starts[r / kBlockRows];
+    box.add(Vec3{start.p[0][r % kBlockRows], start.p[1][r % kBlockRows], start.p[2][r % kBlockRows]});
+  }
+  occluders.emplace(box);
   ends.resize(columns.size());
   for (std::size_t j = 0; j < columns.size(); ++j) {
     const ShadowLight light = shadow_light(all, index(columns[j].light));
@@ -244,6 +267,7 @@ std::span<const RowPoint> SliceVisibility::row_points() const { return state_->p
 std::size_t SliceVisibility::n_groups() const { return state_->group_ends.size(); }
 std::size_t SliceVisibility::group_end(std::size_t g) const { return state_->group_ends[g]; }
 const BitMatrix& SliceVisibility::active_matrix() const { return state_->active; }
+void SliceVisibility::forget_occluders() { state_->occluders.reset(); }
 void SliceVisibility::require(BitMatrix required) {
   MYRIALUX_ASSERT(required.n_rows() == n_rows() && required.n_columns() == n_columns());
   state_->required = std::move(required);
@@ -287,16 +311,44 @@ void SliceVisibility::trace(std::size_t j, Words wanted, MutableWords visible) {
   State& s = *state_;
   const std::uint64_t start = read_ticks();
   GatheredRows gathered;
+  s.aim(j, wanted);
   for (std::size_t w = 0; w < wanted.size(); ++w) {
     MYRIALUX_ASSERT((wanted[w] & ~active(j)[w]) == 0);
     if (wanted[w] == 0) continue;
     s.rays += static_cast<std::uint64_t>(std::popcount(wanted[w]));
-    const std::uint64_t sparse = s.send_block(j, w, wanted[w], visible);
+    const std::uint64_t shadowed = s.is_shadowed() ? s.shadowed_blocks(w, wanted[w]) : 0;
+    visible[w] &= ~shadowed;
+    if (wanted[w] == shadowed) continue;
+    const std::uint64_t sparse = s.send_block(j, w, wanted[w] & ~shadowed, visible);
     if (sparse != 0) s.gather(gathered, j, w, sparse, visible);
   }
+  if (gathered.size > 0) s.leave_out_shadowed(gathered, visible);
   if (gathered.size > 0) s.send_gathered(gathered, j, visible);
   s.land(visible);
   s.ticks_in_trace += read_ticks() - start;
+}
+
+/// Turns what is remembered to the column's light, where many rows are wanted.
+void SliceVisibility::State::aim(std::size_t j, Words wanted) {
+  is_remembering = false;
+  if (!occluders || !is_fixed(j)) return;
+  if (count_bits(wanted) < kLeastPackets * kPacketRows) return;
+  is_remembering = true;
+  if (aimed_at == j) return;
+  occluders->aim(*ends[j]);
+  aimed_at = j, is_searching = true;
+}
+
+/// Rows of blocks with packets of their own that are known to be blocked.
+std::uint64_t SliceVisibility::State::shadowed_blocks(std::size_t word, std::uint64_t wanted) {
+  std::uint64_t own = 0;
+  for (std::uint32_t q = 0; q < kBlockRows; q += kPacketRows) {
+    const std::uint64_t part = wanted & std::uint64_t{0xffff} << q;
+    if (std::popcount(part) >= kLeastOwnRows) own |= part;
+  }
+  if (own == 0) return 0;
+  const float* const start[3] = {starts[word].p[0], starts[word].p[1], starts[word].p[2]};
+  return occluders->blocked(start, own);
 }
 
 void SliceVisibility::State::announce(std::uint32_t valid, std::uint32_t first_row) {
@@ -338,6 +390,7 @@ std::uint64_t SliceVisibility::State::send_block(std::size_t j, std::size_t word
 void SliceVisibility::State::land(MutableWords visible) {
   Packets& p = on_the_way;
   tracer.occluded_rays(std::span(p.rays, p.size), std::span(p.valid, p.size), std::span(p.blocked, p.size));
+  if (is_remembering && is_searching) remember_occluder();
   for (std::size_t k = 0; k < p.size; ++k) {
     const std::uint32_t seen = p.valid[k] & ~p.blocked[k];
     if (p.first_row[k] != kGathered) {
@@ -368,7 +421,49 @@ void SliceVisibility::State::gather(GatheredRows& gathered, std::size_t j, std::
     }
     if (!fixed) gathered.offset[lane] = offsets[word].offset[bit];
     gathered.row[lane] = static_cast<std::uint32_t>(word * kBlockRows + bit);
+    if (gathered.size < kPacketRows) continue;
+    leave_out_shadowed(gathered, visible);
     if (gathered.size == kPacketRows) send_gathered(gathered, j, visible);
+  }
+}
+
+/// Rows known to be blocked make room for others.
+void SliceVisibility::State::leave_out_shadowed(GatheredRows& g, MutableWords visible) {
+  if (!is_shadowed()) return;
+  const float* const start[3] = {g.p[0], g.p[1], g.p[2]};
+  const std::uint64_t blocked = occluders->blocked(start, low_bits(g.size));
+  if (blocked == 0) return;
+  std::size_t n = 0;
+  for (std::size_t lane = 0; lane < g.size; ++lane) {
+    if (blocked >> lane & 1) {
+      clear_bit(visible, g.row[lane]);
+      continue;
+    }
+    for (int k = 0; k < 3; ++k) g.p[k][n] = g.p[k][lane];
+    g.row[n++] = g.row[lane];
+  }
+  g.size = n;
+}
+
+/// Of the first packet with enough blocked rays: what blocks the middle one, seen from the light, where shadows are
+/// largest.
+void SliceVisibility::State::remember_occluder() {
+  const Packets& p = on_the_way;
+  for (std::size_t k = 0; k < p.size; ++k) {
+    const int n = std::popcount(p.blocked[k]);
+    if (n < kLeastBlocked) continue;
+    std::uint32_t lanes = p.blocked[k];
+    for (int before = 0; before < n / 2; ++before) lanes &= lanes - 1;
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    const RTCRay16& packet = p.rays[k];
+    const Vec3 origin{packet.org_x[lane], packet.org_y[lane], packet.org_z[lane]},
+        direction{packet.dir_x[lane], packet.dir_y[lane], packet.dir_z[lane]};
+    const auto corners =
+        tracer.solid_triangle(ends[aimed_at]->distant ? Ray{.origin = origin, .direction = direction}
+                                                      : Ray{origin + direction, -direction, kSegmentEnd});
+    if (corners) occluders->add(*corners);
+    is_searching = false;
+    return;
   }
 }
 

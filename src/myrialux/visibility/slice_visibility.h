@@ -32,6 +32,9 @@ class SliceVisibility final : public EntrySource {
   std::size_t group_end(std::size_t g) const override;
   void trace(std::size_t j, Words wanted, MutableWords visible) override;
   const BitMatrix& active_matrix() const;
+  /// Traces each ray from here on, also where a triangle that blocked others is known to block it: for benchmarks
+  /// against raw Embree. Bits are the same.
+  void forget_occluders();
   /// Entries that completion must trace, [n_rows x n_columns], among the active ones; none before this call.
   void require(BitMatrix required);
   /// What columns may bring, [n_columns]; all 1 before this call.
@@ -40,8 +43,8 @@ class SliceVisibility final : public EntrySource {
   void set_block_energies(BlockEnergies energies);
   /// Null before they are set.
   const BlockEnergies* known_block_energies() const;
-  std::uint64_t rays() const;     ///< shadow rays so far
-  std::uint64_t packets() const;  ///< packets they travelled in
+  std::uint64_t rays() const;     ///< shadow rays so far, those that remembered triangles block included
+  std::uint64_t packets() const;  ///< packets that were traced
   double trace_seconds() const;   ///< CPU seconds this thread spent in trace()
   std::size_t memory_bytes() const;
 
