@@ -52,10 +52,13 @@ FixedLobes fix_lobes(const Bsdf& bsdf, Vec3 n, Vec3 fixed, FixedEnd end, CoatTab
   out.lobes.lobe_class = {lobe_kind(bsdf), bsdf.distribution == Microfacets::ggx};
   Fields& f = out.lobes.field;
   const float eta = out.mirrored ? 1 / bsdf.eta : bsdf.eta;
-  put(frame.s, kFieldS, f), put(frame.t, kFieldT, f), put(frame.n, kFieldN, f), put(o, kFieldO, f);
+  put(frame.n, kFieldN, f), put(fixed, kFieldO, f);
+  f[kFieldCosO] = o.z;
   put(bsdf.eta_metal, kFieldEtaMetal, f), put(bsdf.k_metal, kFieldKMetal, f);
-  f[kFieldAlpha] = bsdf.alpha > 0 ? bsdf.alpha : 1;  // 0: no gloss is evaluated
-  f[kFieldEta] = eta, f[kFieldInverseEta] = 1 / eta;
+  const float alpha2 = bsdf.alpha > 0 ? bsdf.alpha * bsdf.alpha : 1;  // 0: no gloss is evaluated
+  f[kFieldAlpha2] = alpha2;
+  f[kFieldEta] = eta, f[kFieldInverseEta2] = 1 / (eta * eta);
+  put(Vec3{1 - eta * eta, eta - 1 / eta, 1 + eta * eta}, kFieldFresnel, f);
 
   if (bsdf.kind == BsdfKind::diffuse || bsdf.kind == BsdfKind::blinn_phong)
     put(bsdf.reflectance * kInvPi, kFieldBase, f);
@@ -72,7 +75,9 @@ FixedLobes fix_lobes(const Bsdf& bsdf, Vec3 n, Vec3 fixed, FixedEnd end, CoatTab
     put(bsdf.specular * blinn_phong_peak(bsdf.exponent), kFieldGloss, f);
     f[kFieldHalfExponent] = 0.5f * bsdf.exponent;
   } else if (chosen.gloss) {
-    const float shadowing = smith_g1(bsdf.distribution, bsdf.alpha, o, {0, 0, 1});
+    const bool ggx = bsdf.distribution == Microfacets::ggx;
+    const float of_facets = ggx ? 2 * alpha2 * kInvPi : kInvPi / alpha2;  // see microfacets() in kernels/lobes-inl.h
+    const float shadowing = of_facets * smith_g1(bsdf.distribution, bsdf.alpha, o, {0, 0, 1});
     put(bsdf.specular * (shadowing / (4 * o.z)), kFieldGloss, f);
     // Radiance is squeezed by 1 / eta^2 on its way to the viewer; light walks carry power, which is not.
     const float squeeze = end == FixedEnd::source ? eta * eta : 1;

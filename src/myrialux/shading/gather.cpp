@@ -110,6 +110,11 @@ bool add_glossy(const World& world, const VirtualLights::Glossy& glossy, General
     for (float& x : light.at.ng) x = -x;
   light.extra = static_cast<std::uint32_t>(gathered.lobes.size());
   gathered.lobes.push_back(fixed.lobes);
+  auto& field = gathered.lobes.back().field;
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (const LobeField f : {kFieldBase, kFieldGloss, kFieldPass}) field[f + k] *= light.at.rgb[k];
+    for (const LobeField f : {kFieldN, kFieldO}) field[f + k] = -field[f + k];
+  }
   return true;
 }
 
