@@ -60,19 +60,24 @@ struct Ratio {
 };
 HWY_INLINE V value(D d, Ratio r) { return hn::Div(r.above, hn::Max(r.below, hn::Set(d, 1e-37f))); }
 
-/// Reflectance of a smooth dielectric. @param cos2_i squared cosine; roundings beyond 1 do no harm
-/// With t the cosine behind, r_s^2 + r_p^2 over a common denominator is 2 (x^2 + y^2), where
-/// x = (1 - eta^2) cos t and y = (eta - 1 / eta) sin^2: nothing cancels, and cos t takes one root.
+/// above / root_below^2.
+struct Reflectance {
+  V above, root_below;
+};
+/// Of a smooth dielectric. @param h2 4 cos^2, which is |o + v|^2 where the half vector reflects; roundings beyond 4 do no
+/// harm
+/// With c = cos^2 and e = eta^2, Fresnel's two terms over a common denominator are
+///   (1 + (e - 3) c + 2 c^2) / (1 + (e + 1) / (e - 1) (c + sqrt(c (c + e - 1))))^2,
+/// so that one root is all it takes; nothing cancels. Below 0 under the root reflection is total.
 template <class Fields>
-HWY_INLINE Ratio fresnel(D d, const Fields& f, V cos2_i) {
-  const V one = hn::Set(d, 1.0f), zero = hn::Zero(d);
-  const V sin2 = hn::Sub(one, cos2_i), t2 = hn::NegMulAdd(sin2, f(d, kFieldInverseEta2), one);
-  const Mask total = hn::Le(t2, zero);
-  const V cos_t = hn::Sqrt(hn::Mul(cos2_i, hn::Max(t2, zero)));
-  const V x = hn::Mul(cos_t, f(d, kFieldFresnel)), y = hn::Mul(sin2, f(d, kFieldFresnel + 1));
-  const V below = hn::MulAdd(f(d, kFieldEta), hn::Add(cos2_i, t2), hn::Mul(cos_t, f(d, kFieldFresnel + 2)));
-  return {hn::IfThenElse(total, one, hn::MulAdd(x, x, hn::Mul(y, y))),
-          hn::IfThenElse(total, one, hn::Mul(below, below))};
+HWY_INLINE Reflectance fresnel(D d, const Fields& f, V h2) {
+  const V one = hn::Set(d, 1.0f);
+  const V beyond = hn::Add(h2, f(d, kFieldFresnel + 1));
+  const V above = hn::MulAdd(h2, hn::MulAdd(h2, hn::Set(d, 0.125f), f(d, kFieldFresnel)), one);
+  const V below = hn::MulAdd(f(d, kFieldFresnel + 2), hn::Add(hn::Sqrt(hn::Mul(h2, beyond)), h2), one);
+  const Mask total = hn::Le(beyond, hn::Zero(d));
+  if (HWY_LIKELY(hn::AllFalse(d, total))) return {above, below};
+  return {hn::IfThenElse(total, one, above), hn::IfThenElse(total, one, below)};
 }
 
 /// Reflectance of a conductor in one channel. @param cos2 squared cosine
@@ -107,24 +112,24 @@ HWY_INLINE V look_up_16(D d, const float* table, hn::Vec<hn::RebindToSigned<D>> 
 template <class Fields>
 HWY_INLINE V coat_transmittance(D d, const Fields& f, V cos_v) {
   const hn::RebindToSigned<D> di;
-  const V half = hn::Set(d, 0.5f), last = hn::Set(d, static_cast<float>(kTableNodes) - 1.5f);
-  const V shift = hn::Set(d, 0x1.8p23f);
-  // The nearest whole number to what lies half a node below: added to 1.5 * 2^23, it is what the lowest bits say.
-  const V middle = hn::Max(hn::Min(hn::MulSub(cos_v, hn::Set(d, static_cast<float>(kTableNodes - 1)), half), last),
-                           hn::Neg(half));
-  const V shifted = hn::Add(middle, shift);
-  const auto node = hn::Sub(hn::BitCast(di, shifted), hn::BitCast(di, shift));
-  const V t = hn::Add(hn::Sub(middle, hn::Sub(shifted, shift)), half);
+  constexpr float kLast = static_cast<float>(kTableNodes - 1);
+  const V half = hn::Set(d, 0.5f), shift = hn::Set(d, 0x1.8p23f);
+  // The interval is the nearest whole number to what lies half an interval below: once 1.5 * 2^23 is added, the lowest
+  // bits tell it.
+  const V x = hn::Min(hn::MulSub(cos_v, hn::Set(d, kLast), half), hn::Set(d, kLast - 0.5f));
 #if HWY_TARGET <= HWY_AVX3
   if (f.common_table) {
-    const V below = look_up_16(d, f.common_table, node);
-    const V above = look_up_16(d, f.common_table, hn::Add(node, hn::Set(di, 1)));
-    return hn::MulAdd(t, hn::Sub(above, below), below);
+    const V shifted = hn::Add(x, shift);
+    const auto node = hn::BitCast(di, shifted);
+    const V slope = look_up_16(d, f.common_table + kTableNodes, node);
+    return hn::MulAdd(hn::Sub(x, hn::Sub(shifted, shift)), slope, look_up_16(d, f.common_table, node));
   }
 #endif
+  const V shifted = hn::Add(hn::Max(x, hn::Zero(d)), shift);  // the cosine may be negative where all is dark
+  const auto node = hn::Sub(hn::BitCast(di, shifted), hn::BitCast(di, shift));
   const auto at = hn::Add(node, hn::ConvertTo(di, f(d, kFieldTable)));
-  const V below = hn::GatherIndex(d, f.tables, at), above = hn::GatherIndex(d, f.tables + 1, at);
-  return hn::MulAdd(t, hn::Sub(above, below), below);
+  const V slope = hn::GatherIndex(d, f.tables + kTableNodes, at);
+  return hn::MulAdd(hn::Sub(x, hn::Sub(shifted, shift)), slope, hn::GatherIndex(d, f.tables, at));
 }
 
 /// The half vector, of any length: what of it lies along the normal, and the squares.
@@ -142,25 +147,36 @@ HWY_INLINE Half half_vector(D d, const Fields& f, V3 h, V z) {
 }
 
 /// D(h) G1(v) / |h|^4 but for its constant factor, 2 alpha^2 / pi (GGX) or 1 / (pi alpha^2), which is part of the
-/// colours; divided by |cos v| where kOverCos. @param vz |cos v| > 0
-template <bool kGgx, bool kOverCos>
-HWY_INLINE Ratio microfacets(D d, const Half& h, V vz, V alpha2) {
-  const V one = hn::Set(d, 1.0f), v_side2 = hn::NegMulAdd(vz, vz, one);
+/// colours; divided by |cos v| where kOverCos. above / (root_below^2 below).
+struct Facets {
+  V above, root_below, below;
+};
+/// @param vz |cos v| > 0
+template <bool kGgx, bool kOverCos, class Fields>
+HWY_INLINE Facets microfacets(D d, const Fields& f, const Half& h, V vz) {
+  const V one = hn::Set(d, 1.0f), alpha2 = f(d, kFieldAlpha2);
   if constexpr (kGgx) {
-    const V q = hn::MulAdd(alpha2, h.z2, h.side2);
-    const V root = hn::Sqrt(hn::MulAdd(alpha2, v_side2, hn::Mul(vz, vz)));
-    return {kOverCos ? one : vz, hn::Mul(hn::Mul(q, q), hn::Add(vz, root))};
+    const V root = hn::Sqrt(hn::MulAdd(hn::Mul(vz, vz), f(d, kFieldOneLessAlpha2), alpha2));
+    return {kOverCos ? one : vz, hn::MulAdd(alpha2, h.z2, h.side2), hn::Add(vz, root)};
   } else {
-    const V z2 = hn::Max(h.z2, hn::Set(d, 1e-15f));
+    const V z2 = hn::Max(h.z2, hn::Set(d, 1e-15f)), v_side2 = hn::Max(hn::NegMulAdd(vz, vz, one), hn::Zero(d));
     const V distribution = hn::Exp(d, hn::Neg(hn::Div(h.side2, hn::Mul(alpha2, z2))));
     // Rational fit of Smith's function [walter07, eq. 27]; exactly 1 from 1.6 on.
-    const V s = hn::Sqrt(hn::Mul(alpha2, hn::Max(v_side2, hn::Zero(d)))), a = hn::Div(vz, hn::Max(s, hn::Set(d, 1e-20f)));
+    const V s = hn::Sqrt(hn::Mul(alpha2, v_side2)), a = hn::Div(vz, hn::Max(s, hn::Set(d, 1e-20f)));
     const V above = hn::Mul(a, hn::MulAdd(a, hn::Set(d, 2.181f), hn::Set(d, 3.535f)));
     const V below = hn::MulAdd(a, hn::MulAdd(a, hn::Set(d, 2.577f), hn::Set(d, 2.276f)), one);
     const Mask whole = hn::Ge(a, hn::Set(d, 1.6f));
-    const V z4 = hn::Mul(hn::Mul(z2, z2), hn::IfThenElse(whole, one, below));
-    return {hn::Mul(distribution, hn::IfThenElse(whole, one, above)), kOverCos ? hn::Mul(z4, vz) : z4};
+    const V rest = hn::IfThenElse(whole, one, below);
+    return {hn::Mul(distribution, hn::IfThenElse(whole, one, above)), z2, kOverCos ? hn::Mul(rest, vz) : rest};
   }
+}
+
+/// above / below; 0 where both are too small for a float.
+HWY_INLINE V quotient(D d, V above, V below) { return hn::Div(above, hn::Max(below, hn::Set(d, 1e-37f))); }
+/// The product of all but what is above the line of the reflectance.
+HWY_INLINE V below_both(const Facets& facets, const Reflectance& reflected) {
+  const V root = hn::Mul(facets.root_below, reflected.root_below);
+  return hn::Mul(hn::Mul(root, root), facets.below);
 }
 
 /// f * |cos v|, or f alone where kOverCos. @param w v in world space, unit; @param side of its sign: v . ng, ng on the
@@ -174,8 +190,9 @@ HWY_INLINE V3 evaluate_lobes(D d, const Fields& f, V3 w, V side, Mask& live) {
   const V3 base = field3(d, f, kFieldBase);
   if constexpr (kKind == LobeKind::diffuse) return kOverCos ? base : base * vz;
   if constexpr (kKind == LobeKind::coated) {
-    const Ratio reflected = fresnel(d, f, hn::Mul(vz, vz));
-    return base * value(d, {hn::Mul(cosine, hn::Sub(reflected.below, reflected.above)), reflected.below});
+    const Reflectance reflected = fresnel(d, f, hn::Mul(hn::Set(d, 4.0f), hn::Mul(vz, vz)));
+    const V below = hn::Mul(reflected.root_below, reflected.root_below);
+    return base * hn::Mul(cosine, hn::Div(hn::Sub(below, reflected.above), below));
   }
   const V3 o = field3(d, f, kFieldO), gloss = field3(d, f, kFieldGloss);
   if constexpr (kKind == LobeKind::dielectric) {
@@ -187,13 +204,16 @@ HWY_INLINE V3 evaluate_lobes(D d, const Fields& f, V3 w, V side, Mask& live) {
     const V oh = dot(o, to_half), vh = dot(w, to_half);
     Half h = half_vector(d, f, to_half, hn::MulAdd(scale, vz, f(d, kFieldCosO)));
     h.length2 = hn::Max(h.length2, hn::Set(d, 1e-20f));
-    const Ratio reflected = fresnel(d, f, hn::Div(hn::Mul(oh, oh), h.length2));
-    const Ratio dg = microfacets<kGgx, kOverCos>(d, h, hn::Max(hn::Abs(vz), hn::Set(d, 1e-12f)), f(d, kFieldAlpha2));
+    const Reflectance reflected =
+        fresnel(d, f, hn::Div(hn::Mul(hn::Set(d, 4.0f), hn::Mul(oh, oh)), h.length2));
+    const Facets facets = microfacets<kGgx, kOverCos>(d, f, h, hn::Max(hn::Abs(vz), hn::Set(d, 1e-12f)));
     // Both directions must see the front of the microfacet.
     live = hn::And(live, hn::Or(is_above, hn::And(hn::Gt(hn::Mul(oh, h.z), zero), hn::Lt(hn::Mul(vh, h.z), zero))));
     const V up = hn::Mul(reflected.above, hn::Mul(h.length2, h.length2));
-    const V down = hn::Mul(hn::Sub(reflected.below, reflected.above), hn::Abs(hn::Mul(oh, vh)));
-    const V both = value(d, {hn::Mul(dg.above, hn::IfThenElse(is_above, up, down)), hn::Mul(dg.below, reflected.below)});
+    const V passed = hn::MulSub(reflected.root_below, reflected.root_below, reflected.above);
+    const V down = hn::Mul(passed, hn::Abs(hn::Mul(oh, vh)));
+    const V both =
+        quotient(d, hn::Mul(facets.above, hn::IfThenElse(is_above, up, down)), below_both(facets, reflected));
     const V3 pass = field3(d, f, kFieldPass);
     return V3{hn::IfThenElse(is_above, gloss.x, pass.x), hn::IfThenElse(is_above, gloss.y, pass.y),
               hn::IfThenElse(is_above, gloss.z, pass.z)} *
@@ -206,18 +226,18 @@ HWY_INLINE V3 evaluate_lobes(D d, const Fields& f, V3 w, V side, Mask& live) {
     const V3 sum = add_scaled(base, shine, gloss);
     return kOverCos ? sum : sum * vz;
   }
-  const V cos2_oh = hn::Mul(hn::Set(d, 0.25f), h.length2);  // |o + v|^2 / 4
-  const Ratio dg = microfacets<kGgx, kOverCos>(d, h, vz, f(d, kFieldAlpha2));
-  const V above = hn::Mul(dg.above, hn::Mul(h.length2, h.length2));
+  const Facets facets = microfacets<kGgx, kOverCos>(d, f, h, vz);
+  const V above = hn::Mul(hn::Mul(h.length2, h.length2), facets.above);
   if constexpr (kKind == LobeKind::conductor) {
-    const V shine = value(d, {above, dg.below});
+    const V root = facets.root_below, shine = quotient(d, above, hn::Mul(hn::Mul(root, root), facets.below));
     const V3 e = field3(d, f, kFieldEtaMetal), k = field3(d, f, kFieldKMetal);
+    const V cos2_oh = hn::Mul(hn::Set(d, 0.25f), h.length2);  // |o + v|^2 / 4
     return gloss * V3{hn::Mul(shine, fresnel_metal(d, cos2_oh, e.x, k.x)),
                       hn::Mul(shine, fresnel_metal(d, cos2_oh, e.y, k.y)),
                       hn::Mul(shine, fresnel_metal(d, cos2_oh, e.z, k.z))};
   }
-  const Ratio reflected = fresnel(d, f, cos2_oh);
-  const V shine = value(d, {hn::Mul(above, reflected.above), hn::Mul(dg.below, reflected.below)});
+  const Reflectance reflected = fresnel(d, f, h.length2);
+  const V shine = quotient(d, hn::Mul(above, reflected.above), below_both(facets, reflected));
   const V body = hn::Mul(cosine, coat_transmittance(d, f, vz));
   return add_scaled(gloss * shine, body, base);
 }

@@ -33,14 +33,16 @@ enum LobeField : std::size_t {
   kFieldEtaMetal = 16,      ///< 3
   kFieldKMetal = 19,        ///< 3
   kFieldAlpha2 = 22,        ///< roughness, squared
-  kFieldEta = 23,           ///< index of the far side over that of o's side
-  kFieldInverseEta2 = 24,   ///< 1 / eta^2
-  kFieldFresnel = 25,       ///< 3: 1 - eta^2, eta - 1 / eta, 1 + eta^2
+  kFieldOneLessAlpha2 = 23,
+  kFieldEta = 24,      ///< index of the far side over that of o's side
+  kFieldFresnel = 25,  ///< 3: (eta^2 - 3) / 4, 4 (eta^2 - 1), (eta^2 + 1) / (4 (eta^2 - 1))
   kFieldTable = 28,         ///< plastic: where its transmittances start in the array of tables, a whole number
   kFieldHalfExponent = 29,  ///< Blinn-Phong: n / 2
   kLobeFields = 30
 };
-inline constexpr std::size_t kTableNodes = 64;  ///< transmittance at cosines k / 63, linear between
+/// Transmittances at cosines k / 63, linear between. A table is twice as long: first the transmittances in the middle of
+/// each interval, then what they gain from its beginning to its end.
+inline constexpr std::size_t kTableNodes = 64, kTableFloats = 2 * kTableNodes;
 
 /// Index of a set of lobes that one loop serves: kind and distribution.
 struct LobeClass {

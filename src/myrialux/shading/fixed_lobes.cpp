@@ -1,6 +1,9 @@
 // Multiplies out what a fixed direction contributes to a BSDF: the scalar half of kernels/lobes-inl.h.
 #include "myrialux/shading/fixed_lobes.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "myrialux/scattering/blinn_phong.h"
 #include "myrialux/scattering/fresnel.h"
 #include "myrialux/scattering/lobes.h"
@@ -17,6 +20,14 @@ void put(Rgb c, std::size_t k, Fields& f) { f[k] = c.r, f[k + 1] = c.g, f[k + 2]
 
 LobeKind lobe_kind(const Bsdf& bsdf);
 
+void put_fresnel(float eta, Fields& f) {
+  f[kFieldEta] = eta;
+  const float e = eta * eta, more = (eta - 1) * (eta + 1);
+  // Where both sides are alike nothing is reflected; a large number stands for the infinite one.
+  const float ratio = (e + 1) / (4 * std::copysign(std::max(std::fabs(more), 1e-15f), more));
+  put(Vec3{0.25f * (e - 3), 4 * more, ratio}, kFieldFresnel, f);
+}
+
 /// Diffuse colour of plastic below its coat: what is reflected inside comes back, again and again.
 Rgb plastic_base(const Bsdf& bsdf) {
   const Rgb lost = bsdf.nonlinear ? bsdf.reflectance * bsdf.fdr_internal : gray(bsdf.fdr_internal);
@@ -30,11 +41,15 @@ std::size_t CoatTables::add(const float* row, float mix) {
   // Rows of a slice mostly share a few materials, so the latest tables are the likeliest.
   const std::size_t oldest = known_.size() > 8 ? known_.size() - 8 : 0;
   for (std::size_t k = known_.size(); k-- > oldest;)
-    if (known_[k].row == row && known_[k].mix == mix) return k * kTableNodes;
+    if (known_[k].row == row && known_[k].mix == mix) return k * kTableFloats;
   known_.push_back({row, mix});
-  for (std::size_t node = 0; node < kTableNodes; ++node)
-    values_.push_back((1 - mix) * row[node] + mix * row[node + kTableNodes]);
-  return values_.size() - kTableNodes;
+  const std::size_t begin = values_.size();
+  values_.resize(begin + kTableFloats);
+  float *const middle = values_.data() + begin, *const gain = middle + kTableNodes;
+  const auto at = [&](std::size_t node) { return (1 - mix) * row[node] + mix * row[node + kTableNodes]; };
+  for (std::size_t node = 0; node + 1 < kTableNodes; ++node)
+    middle[node] = 0.5f * (at(node) + at(node + 1)), gain[node] = at(node + 1) - at(node);
+  return begin;
 }
 
 FixedLobes fix_lobes(const Bsdf& bsdf, Vec3 n, Vec3 fixed, FixedEnd end, CoatTables& tables) {
@@ -56,9 +71,8 @@ FixedLobes fix_lobes(const Bsdf& bsdf, Vec3 n, Vec3 fixed, FixedEnd end, CoatTab
   f[kFieldCosO] = o.z;
   put(bsdf.eta_metal, kFieldEtaMetal, f), put(bsdf.k_metal, kFieldKMetal, f);
   const float alpha2 = bsdf.alpha > 0 ? bsdf.alpha * bsdf.alpha : 1;  // 0: no gloss is evaluated
-  f[kFieldAlpha2] = alpha2;
-  f[kFieldEta] = eta, f[kFieldInverseEta2] = 1 / (eta * eta);
-  put(Vec3{1 - eta * eta, eta - 1 / eta, 1 + eta * eta}, kFieldFresnel, f);
+  f[kFieldAlpha2] = alpha2, f[kFieldOneLessAlpha2] = 1 - alpha2;
+  put_fresnel(eta, f);
 
   if (bsdf.kind == BsdfKind::diffuse || bsdf.kind == BsdfKind::blinn_phong)
     put(bsdf.reflectance * kInvPi, kFieldBase, f);
