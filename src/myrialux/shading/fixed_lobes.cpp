@@ -59,16 +59,16 @@ FixedLobes fix_lobes(const Bsdf& bsdf, Vec3 n, Vec3 fixed, FixedEnd end, CoatTab
   // Glass is alike on both sides once its index is turned round; all else is black below.
   out.mirrored = dot(n, fixed) < 0;
   if (out.mirrored && bsdf.kind != BsdfKind::rough_dielectric) return out;
-  const Frame frame(out.mirrored ? -n : n);
-  const Vec3 o = frame.to_local(fixed);
-  if (!(o.z > 0)) return out;
+  if (out.mirrored) n = -n;
+  const float cos_o = dot(fixed, n);
+  if (!(cos_o > 0)) return out;
   out.any = true;
 
   out.lobes.lobe_class = {lobe_kind(bsdf), bsdf.distribution == Microfacets::ggx};
   Fields& f = out.lobes.field;
   const float eta = out.mirrored ? 1 / bsdf.eta : bsdf.eta;
-  put(frame.n, kFieldN, f), put(fixed, kFieldO, f);
-  f[kFieldCosO] = o.z;
+  put(n, kFieldN, f), put(fixed, kFieldO, f);
+  f[kFieldCosO] = cos_o;
   put(bsdf.eta_metal, kFieldEtaMetal, f), put(bsdf.k_metal, kFieldKMetal, f);
   const float alpha2 = bsdf.alpha > 0 ? bsdf.alpha * bsdf.alpha : 1;  // 0: no gloss is evaluated
   f[kFieldAlpha2] = alpha2, f[kFieldOneLessAlpha2] = 1 - alpha2;
@@ -77,11 +77,11 @@ FixedLobes fix_lobes(const Bsdf& bsdf, Vec3 n, Vec3 fixed, FixedEnd end, CoatTab
   if (bsdf.kind == BsdfKind::diffuse || bsdf.kind == BsdfKind::blinn_phong)
     put(bsdf.reflectance * kInvPi, kFieldBase, f);
   if (bsdf.kind == BsdfKind::plastic) {
-    const float through = 1 - fresnel_dielectric(o.z, bsdf.eta).reflectance;
+    const float through = 1 - fresnel_dielectric(cos_o, bsdf.eta).reflectance;
     put(plastic_base(bsdf) * through, kFieldBase, f);
   }
   if (bsdf.kind == BsdfKind::rough_plastic) {
-    const float through = external_transmittance(bsdf.transmittance_row, bsdf.transmittance_mix, o.z);
+    const float through = external_transmittance(bsdf.transmittance_row, bsdf.transmittance_mix, cos_o);
     put(plastic_base(bsdf) * through, kFieldBase, f);
     f[kFieldTable] = static_cast<float>(tables.add(bsdf.transmittance_row, bsdf.transmittance_mix));
   }
@@ -91,11 +91,12 @@ FixedLobes fix_lobes(const Bsdf& bsdf, Vec3 n, Vec3 fixed, FixedEnd end, CoatTab
   } else if (chosen.gloss) {
     const bool ggx = bsdf.distribution == Microfacets::ggx;
     const float of_facets = ggx ? 2 * alpha2 * kInvPi : kInvPi / alpha2;  // see microfacets() in kernels/lobes-inl.h
+    const Vec3 o{std::sqrt(std::max(0.0f, 1 - cos_o * cos_o)), 0, cos_o};  // lobes have no direction along the surface
     const float shadowing = of_facets * smith_g1(bsdf.distribution, bsdf.alpha, o, {0, 0, 1});
-    put(bsdf.specular * (shadowing / (4 * o.z)), kFieldGloss, f);
+    put(bsdf.specular * (shadowing / (4 * cos_o)), kFieldGloss, f);
     // Radiance is squeezed by 1 / eta^2 on its way to the viewer; light walks carry power, which is not.
     const float squeeze = end == FixedEnd::source ? eta * eta : 1;
-    put(bsdf.transmittance * (shadowing / o.z * squeeze), kFieldPass, f);
+    put(bsdf.transmittance * (shadowing / cos_o * squeeze), kFieldPass, f);
   }
   return out;
 }
