@@ -76,14 +76,15 @@ HWY_INLINE V3 irradiance(D d, const GeneralRun& run, const GeneralLight& light, 
   return spread(d, light.at.rgb) * factor;
 }
 
-/// The rows that a glossy light's lobes are still to be evaluated for: `w` is set, and in place of `rgb` what they need.
+/// The rows that a glossy light's lobes are still to be evaluated for: `w` is set, and in place of `rgb` what they
+/// need.
 enum BeforeLobes : std::size_t {
   kLightSide,    ///< -d . ng of the light, exact in its sign
   kCosineScale,  ///< clamped 1 / d^2 times 1 / |d|
 };
 
-/// Evaluates the lobes of a glossy light in a loop of its own: each loop's chain of operations is then short enough that
-/// several vectors are under way at a time.
+/// Evaluates the lobes of a glossy light in a loop of its own: each loop's chain of operations is then short enough
+/// that several vectors are under way at a time.
 template <LobeKind kKind, bool kGgx>
 void shine_on_rows(const GeneralRun& run, const GeneralLight& light, std::uint64_t bits, Incident& out) {
   const D d;

@@ -64,9 +64,8 @@ HWY_INLINE V value(D d, Ratio r) { return hn::Div(r.above, hn::Max(r.below, hn::
 struct Reflectance {
   V above, root_below;
 };
-/// Of a smooth dielectric. @param h2 4 cos^2, which is |o + v|^2 where the half vector reflects; roundings beyond 4 do no
-/// harm
-/// With c = cos^2 and e = eta^2, Fresnel's two terms over a common denominator are
+/// Of a smooth dielectric. @param h2 4 cos^2, which is |o + v|^2 where the half vector reflects; roundings beyond 4 do
+/// no harm With c = cos^2 and e = eta^2, Fresnel's two terms over a common denominator are
 ///   (1 + (e - 3) c + 2 c^2) / (1 + (e + 1) / (e - 1) (c + sqrt(c (c + e - 1))))^2,
 /// so that one root is all it takes; nothing cancels. Below 0 under the root reflection is total.
 template <class Fields>
@@ -95,8 +94,8 @@ HWY_INLINE V fresnel_metal(D d, V cos2, V eta, V k) {
 }
 
 #if HWY_TARGET <= HWY_AVX3
-/// table[node % 64] for vectors of 16: the table fits four of them, and sorting out lanes takes a quarter of the time of
-/// GatherIndex().
+/// table[node % 64] for vectors of 16: the table fits four of them, and sorting out lanes takes a quarter of the time
+/// of GatherIndex().
 HWY_INLINE V look_up_16(D d, const float* table, hn::Vec<hn::RebindToSigned<D>> node) {
   const auto half = [&](std::size_t h) {  // the instruction looks at the lowest five bits
     const V low = hn::LoadU(d, table + 32 * h), high = hn::LoadU(d, table + 32 * h + 16);
@@ -204,8 +203,7 @@ HWY_INLINE V3 evaluate_lobes(D d, const Fields& f, V3 w, V side, Mask& live) {
     const V oh = dot(o, to_half), vh = dot(w, to_half);
     Half h = half_vector(d, f, to_half, hn::MulAdd(scale, vz, f(d, kFieldCosO)));
     h.length2 = hn::Max(h.length2, hn::Set(d, 1e-20f));
-    const Reflectance reflected =
-        fresnel(d, f, hn::Div(hn::Mul(hn::Set(d, 4.0f), hn::Mul(oh, oh)), h.length2));
+    const Reflectance reflected = fresnel(d, f, hn::Div(hn::Mul(hn::Set(d, 4.0f), hn::Mul(oh, oh)), h.length2));
     const Facets facets = microfacets<kGgx, kOverCos>(d, f, h, hn::Max(hn::Abs(vz), hn::Set(d, 1e-12f)));
     // Both directions must see the front of the microfacet.
     live = hn::And(live, hn::Or(is_above, hn::And(hn::Gt(hn::Mul(oh, h.z), zero), hn::Lt(hn::Mul(vh, h.z), zero))));

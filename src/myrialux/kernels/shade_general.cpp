@@ -91,7 +91,8 @@ void shade_general_rows(const RowBlock& rows, const RowLobes& row_lobes, const G
       find_incident(rows, run, run.lights[first + k], run.visible[first + k], incident[k]);
     for (std::size_t c = 0; c < kLobeClasses; ++c) {
       const std::uint64_t class_rows = row_lobes.rows[c];
-      if (class_rows != 0) visit_class(lobe_class(c), ReceiveVisitor{row_lobes, run, chunk, class_rows, tables[c], sums});
+      if (class_rows != 0)
+        visit_class(lobe_class(c), ReceiveVisitor{row_lobes, run, chunk, class_rows, tables[c], sums});
     }
   }
 }

@@ -350,7 +350,7 @@ void add_to_frame(const World& world, const Settings& settings, const Method& me
   }
 
   // Camera samples: what was seen directly, plus the receiver's light.
-  std::vector<Rgb> radiance = std::move(rows.samples.emission);
+  Array<Rgb> radiance = std::move(rows.samples.emission);
   parallel_for(
       receivers.size(), [&](std::size_t i) { radiance[receivers.sample[i]] += receivers.beta[i] * result.radiance[i]; },
       4096);

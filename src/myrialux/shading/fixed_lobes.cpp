@@ -90,7 +90,7 @@ FixedLobes fix_lobes(const Bsdf& bsdf, Vec3 n, Vec3 fixed, FixedEnd end, CoatTab
     f[kFieldHalfExponent] = 0.5f * bsdf.exponent;
   } else if (chosen.gloss) {
     const bool ggx = bsdf.distribution == Microfacets::ggx;
-    const float of_facets = ggx ? 2 * alpha2 * kInvPi : kInvPi / alpha2;  // see microfacets() in kernels/lobes-inl.h
+    const float of_facets = ggx ? 2 * alpha2 * kInvPi : kInvPi / alpha2;   // see microfacets() in kernels/lobes-inl.h
     const Vec3 o{std::sqrt(std::max(0.0f, 1 - cos_o * cos_o)), 0, cos_o};  // lobes have no direction along the surface
     const float shadowing = of_facets * smith_g1(bsdf.distribution, bsdf.alpha, o, {0, 0, 1});
     put(bsdf.specular * (shadowing / (4 * cos_o)), kFieldGloss, f);
