@@ -84,9 +84,9 @@ struct FrameView {
 
 /// What it gives back; all indexed by receiver.
 struct MethodResult {
-  Array<Rgb> radiance;                         ///< light from virtual lights, beta not applied
-  Array<std::uint32_t> slice;                  ///< slice id (slice methods), else empty
-  Array<float> cut_size, visibility_fraction;  ///< of the receiver's slice, else empty
+  std::vector<Rgb> radiance;                         ///< light from virtual lights, beta not applied
+  std::vector<std::uint32_t> slice;                  ///< slice id (slice methods), else empty
+  std::vector<float> cut_size, visibility_fraction;  ///< of the receiver's slice, else empty
   /// The error meter's estimate for the receiver's slice, root mean square over the frame's mean radiance; 0 where the
   /// slice was traced whole. Empty: no meter.
   std::vector<float> visibility_error;
