@@ -2,6 +2,7 @@
 // be put in order.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -27,11 +28,12 @@ struct RankBin {
 /// The bins of the values of the given ranks, rising, among x(0), ..., x(n - 1).
 template <std::size_t N, class X>
 std::array<RankBin, N> rank_bins(std::size_t n, const std::array<std::size_t, N>& ranks, const X& x) {
-  constexpr std::size_t kParts = 32, kBins = 1 << 16;
-  std::vector<std::vector<std::uint32_t>> counts(kParts);
-  parallel_for(kParts, [&](std::size_t part) {
+  constexpr std::size_t kBins = 1 << 16;
+  const std::size_t n_parts = std::min<std::size_t>(32, n / kBins + 1);  // 256 KB each
+  std::vector<std::vector<std::uint32_t>> counts(n_parts);
+  parallel_for(n_parts, [&](std::size_t part) {
     counts[part].resize(kBins);
-    for (std::size_t i = n * part / kParts; i < n * (part + 1) / kParts; ++i) ++counts[part][upper_bits(x(i))];
+    for (std::size_t i = n * part / n_parts; i < n * (part + 1) / n_parts; ++i) ++counts[part][upper_bits(x(i))];
   });
   std::array<RankBin, N> bins{};
   std::size_t found = 0, sum = 0;

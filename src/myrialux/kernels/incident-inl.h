@@ -79,8 +79,9 @@ HWY_INLINE V3 irradiance(D d, const GeneralRun& run, const GeneralLight& light, 
 /// The rows that a glossy light's lobes are still to be evaluated for: `w` is set, and in place of `rgb` what they
 /// need.
 enum BeforeLobes : std::size_t {
-  kLightSide,    ///< -d . ng of the light, exact in its sign
-  kCosineScale,  ///< clamped 1 / d^2 times 1 / |d|
+  kLightSide,        ///< -d . ng of the light, exact in its sign
+  kInverseDistance,  ///< 1 / |d|
+  kScale,            ///< 1 / d^2, clamped
 };
 
 /// Evaluates the lobes of a glossy light in a loop of its own: each loop's chain of operations is then short enough
@@ -92,10 +93,11 @@ void shine_on_rows(const GeneralRun& run, const GeneralLight& light, std::uint64
   const SameFields fields = same_fields(run.lobes[light.extra], run.tables.data());
   for (std::size_t row = 0; row < kBlockRows; row += hn::Lanes(d)) {
     if (!has_rows(bits, row)) continue;
-    const V side = hn::Load(d, out.rgb[kLightSide] + row), scale = hn::Load(d, out.rgb[kCosineScale] + row);
+    const V side = hn::Load(d, out.rgb[kLightSide] + row), scale = hn::Load(d, out.rgb[kScale] + row);
     Mask live = hn::Eq(side, side);
     const V3 f = evaluate_lobes<kKind, kGgx, /*kOverCos=*/true>(d, fields, load(d, out.w, row), side, live);
-    const V cos_ng = hn::Mul(hn::Abs(side), scale);  // an intensity has the cosine to the geometric normal
+    // An intensity has the cosine to the geometric normal.
+    const V cos_ng = hn::Mul(hn::Mul(hn::Abs(side), hn::Load(d, out.rgb[kInverseDistance] + row)), scale);
     store(d,
           {hn::IfThenElseZero(live, hn::Mul(f.x, cos_ng)), hn::IfThenElseZero(live, hn::Mul(f.y, cos_ng)),
            hn::IfThenElseZero(live, hn::Mul(f.z, cos_ng))},
@@ -127,7 +129,7 @@ void light_rows(const RowBlock& rows, const GeneralRun& run, const GeneralLight&
       w = to_light * inverse_distance;
       const V light_side = hn::Neg(dot_unfused(to_light, spread(d, light.at.ng)));
       if constexpr (kShape == LightShape::glossy)
-        rgb = {light_side, hn::Mul(clamped, inverse_distance), light_side};
+        rgb = {light_side, inverse_distance, clamped};
       else
         rgb = irradiance<kShape>(d, run, light, w, light_side, clamped);
       hn::Store(dot_unfused(to_light, ng), d, out.side + row);
