@@ -4,8 +4,9 @@
     serial_time.py PROGRAM [more arguments of the program ...]     for example: serial_time.py P render S.xml -o x.exr
 
 Runs the program with one thread under `perf record -e cpu-clock`. A sample is parallel if a loop over work items or a
-pair of calls (base/parallel.h) is on its stack, or the compression of a picture. Prints the seconds of each kind, the serial ones by the function of this
-program that they were spent below, and what Amdahl's law makes of them for 2, 16 and 64 threads.
+pair of calls (base/parallel.h) is on its stack, or the compression of a picture. Prints the seconds of each kind, the
+serial ones by the function of this program that they were spent below, and what Amdahl's law makes of them for 2, 16
+and 64 threads.
 """
 import collections
 import pathlib
@@ -39,6 +40,12 @@ def own_function(frames):
     return next((short_name(f) for f in frames if "myrialux::" in f), short_name(frames[-1]))
 
 
+def kind(frames):
+    if frames[-1] not in BOTTOM:
+        return "broken"
+    return "parallel" if any(p in f for f in frames for p in PARALLEL) else "serial"
+
+
 def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__)
@@ -46,18 +53,17 @@ def main():
         data = str(pathlib.Path(folder) / "perf.data")
         subprocess.run(["perf", "record", "-q", "-F", str(RATE), "-e", "cpu-clock", "--call-graph", "dwarf,65528", "-o",
                         data, *sys.argv[1:], "--threads", "1"], check=True, stdout=subprocess.DEVNULL)
-        text = subprocess.run(["perf", "script", "--no-inline", "-i", data, "-F", "ip,sym,dso"], check=True, capture_output=True,
-                              text=True).stdout
-    serial, n, n_broken = collections.Counter(), 0, 0
+        text = subprocess.run(["perf", "script", "--no-inline", "-i", data, "-F", "ip,sym,dso"], check=True,
+                              capture_output=True, text=True).stdout
+    serial, kinds = collections.Counter(), collections.Counter()
     for frames in stacks(text):
-        n += 1
-        if frames[-1] not in BOTTOM:
-            n_broken += 1
-        elif not any(p in f for f in frames for p in PARALLEL):
+        kinds[kind(frames)] += 1
+        if kind(frames) == "serial":
             serial[own_function(frames)] += 1
-    n_serial = sum(serial.values())
-    print(f"{n / RATE:.2f} s in all, {n_serial / RATE:.3f} s outside parallel loops, {n_broken / RATE:.2f} s in stacks that "
-          "cannot be read (Embree's rays)\n")
+    n = sum(kinds.values())
+    n_serial, n_broken = kinds["serial"], kinds["broken"]
+    print(f"{n / RATE:.2f} s in all, {n_serial / RATE:.3f} s outside parallel loops, {n_broken / RATE:.2f} s in stacks "
+          "that cannot be read (Embree's rays)\n")
     print("| serial, below | s |\n|---|---|")
     for function, count in serial.most_common(12):
         print(f"| {function} | {count / RATE:.3f} |")
