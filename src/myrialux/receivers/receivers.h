@@ -16,14 +16,14 @@ struct Receivers {
   Array<Vec3> p;        ///< on the surface
   Array<float> offset;  ///< see SurfacePoint::offset
   Array<Vec3> ng, n;    ///< geometric and shading normal; n on the side of wo (= -(the BSDF's) if inside), ng on
-                              ///< the side of n
+                        ///< the side of n
   Array<Vec3> wo;       ///< unit, towards where the camera path came from
   Array<BsdfParams> bsdf;
-  Array<Rgb> beta;              ///< path weight from the camera, choice of lobes included
-  Array<std::uint32_t> sample;  ///< camera sample it belongs to, among those traced: pixel * spp + k
-  Array<std::uint8_t> depth;    ///< path edges from the camera to here, >= 1
-  Array<std::uint8_t> inside;   ///< 1: seen from the back of a one-sided (refracting) material: local wo.z < 0
-  std::uint64_t first_sample = 0;     ///< place in the picture of the first sample traced
+  Array<Rgb> beta;                 ///< path weight from the camera, choice of lobes included
+  Array<std::uint32_t> sample;     ///< camera sample it belongs to, among those traced: pixel * spp + k
+  Array<std::uint8_t> depth;       ///< path edges from the camera to here, >= 1
+  Array<std::uint8_t> inside;      ///< 1: seen from the back of a one-sided (refracting) material: local wo.z < 0
+  std::uint64_t first_sample = 0;  ///< place in the picture of the first sample traced
   std::size_t size() const { return p.size(); }
   void reserve(std::size_t n);
   void resize(std::size_t n);
@@ -35,7 +35,7 @@ inline constexpr std::size_t kReceiverBytes =
 /// What a camera sample saw on its way, for film and AOVs; indexed by camera sample.
 struct CameraSamples {
   int width = 0, height = 0, spp = 0;
-  int first_row = 0;           ///< of the picture's rows of pixels that the samples belong to
+  int first_row = 0;     ///< of the picture's rows of pixels that the samples belong to
   Array<Vec2> position;  ///< on the film, pixels from the top left
   Array<Rgb> emission;   ///< emission and environment seen directly or through sharp lobes, weighted
   Array<Rgb> albedo;     ///< at the first hit
