@@ -44,14 +44,15 @@ void run(const RenderOptions& o, Session& session) {
 
   const ThreadScope threads(params.threads);
   Stopwatch clock;
+  ProcessStopwatch cpu;
   const Scene scene = open_scene(o.scene, definitions, reporter);
-  const double load_s = clock.lap();
+  const double load_s = clock.lap(), load_cpu_s = cpu.lap();
   RenderOutput result = render(scene, params, reporter);
   reporter.warn(result.stats.warnings);
   throw_if_cancelled();
 
   // From here on everything is written, whatever happens to be pressed.
-  clock.lap();
+  clock.lap(), cpu.lap();
   reporter.stage("write", 0, "");
   result.metadata["myrialux.command"] = session.command_line;
   std::vector<std::string> written;
@@ -60,11 +61,13 @@ void run(const RenderOptions& o, Session& session) {
     written.push_back(absolute_path(path));
   }
   RenderStats& stats = result.stats;
-  const double write_s = clock.lap();
+  const double write_s = clock.lap(), write_cpu_s = cpu.lap();
   stats.memory.peak_rss = peak_rss_bytes();
   stats.time_s["load"] = load_s;
   stats.time_s["film"] += write_s;
   stats.time_s["total"] += load_s + write_s;
+  stats.cpu_s["load"] = load_cpu_s, stats.cpu_s["film"] += write_cpu_s;
+  stats.cpu_s["total"] += load_cpu_s + write_cpu_s;
   if (o.stats == "-")
     fmt::print("{}", to_json(stats));
   else if (!o.stats.empty()) {

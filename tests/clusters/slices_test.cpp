@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "myrialux/base/parallel.h"
 #include "myrialux/base/rng.h"
@@ -35,9 +36,9 @@ double mean_diagonal(const Receivers& receivers, std::span<const ReceiverId> ord
 }
 
 TEST(Slices, HoldEveryRowOnceAndAllButOneAreFull) {
-  for (const std::size_t n : {0, 1, 15, 16, 17, 1023, 1024, 1025, 2047, 2048, 2049, 10000, 50001}) {
+  for (const std::size_t n : {0, 1, 15, 16, 17, 1023, 1024, 1025, 2047, 2048, 2049, 10000, 50001, 600001}) {
     const Slices slices = make_slices(two_sheets(n, 0.1f), 1, {});
-    std::vector<ReceiverId> sorted = slices.order;
+    Array<ReceiverId> sorted = slices.order;
     std::sort(sorted.begin(), sorted.end());
     ASSERT_EQ(sorted.size(), n);
     for (std::size_t i = 0; i < n; ++i) ASSERT_EQ(index(sorted[i]), i);
@@ -48,14 +49,42 @@ TEST(Slices, HoldEveryRowOnceAndAllButOneAreFull) {
 }
 
 TEST(Slices, AreTheSameForAnyNumberOfThreads) {
-  const Receivers receivers = two_sheets(100003, 0.01f);
-  std::vector<ReceiverId> first;
-  for (const int threads : {1, 2, 7}) {
-    const ThreadScope scope(threads);
-    const Slices slices = make_slices(receivers, 1, {});
-    if (first.empty()) first = slices.order;
-    EXPECT_EQ(slices.order, first) << threads;
+  for (const std::size_t n : {100003u, 600001u}) {
+    const Receivers receivers = two_sheets(n, 0.01f);
+    Array<ReceiverId> first;
+    for (const int threads : {1, 2, 7}) {
+      const ThreadScope scope(threads);
+      const Slices slices = make_slices(receivers, 1, {});
+      if (first.empty()) first = slices.order;
+      EXPECT_EQ(slices.order, first) << threads;
+    }
   }
+}
+
+TEST(Slices, LargeFramesAreSplitWhereSortingSplitsThem) {
+  const std::size_t n = (1 << 18) + 777;
+  Receivers receivers = two_sheets(n, 0.01f);
+  Rng rng({3}, Stage::test, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const float x = rng.below(3) == 0 ? 1.5f : 4 * rng.next();
+    receivers.p[i] = {rng.below(2) ? x : -x, 0.25f * rng.next(), 0}, receivers.n[i] = {0, 0, 1};
+  }
+  const SliceParams params;
+  const Slices slices = make_slices(receivers, 1, params);
+  // The first cut is across x, at the multiple of whole slices nearest to the middle.
+  const std::size_t middle = (n / params.max_rows + 1) / 2 * params.max_rows;
+  const auto key = [&](ReceiverId i) {
+    const Vec3 p = receivers.p[index(i)];
+    return std::tuple(p.x, p.y, index(i));
+  };
+  Array<ReceiverId> sorted = slices.order;
+  std::sort(sorted.begin(), sorted.end(), [&](ReceiverId a, ReceiverId b) { return key(a) < key(b); });
+  const auto lower_half = [&](Array<ReceiverId> order) {
+    order.resize(middle);
+    std::sort(order.begin(), order.end());
+    return order;
+  };
+  EXPECT_EQ(lower_half(slices.order), lower_half(sorted));
 }
 
 TEST(Slices, DoNotDependOnWhereEqualPointsStand) {

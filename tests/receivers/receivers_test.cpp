@@ -77,7 +77,7 @@ TEST(FilmPosition, EverySampleIsUniformOverThePixel) {
 }
 
 template <class T>
-bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+bool same_bits(const Array<T>& a, const Array<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
@@ -103,6 +103,33 @@ TEST(Receivers, SameBitsForAnyNumberOfThreads) {
   ReceiverParams other = params;
   other.key.seed = 6;
   EXPECT_FALSE(same_bits(one.receivers.p, trace_receivers(t.world, other, quiet).receivers.p));
+}
+
+TEST(Receivers, ThoseOfManyBlocksCloseUpInOrder) {
+  // A wall that half of the samples miss: most blocks have gaps, and there are more blocks than are moved at once.
+  test::SceneBuilder b;
+  b.rectangle({-9, -9, 0}, {18, 0, 0}, {0, 17.3f, 0}, b.diffuse(gray(0.5f), true));
+  b.emitter("sky", ConstantEmitter{gray(2)});
+  b.camera({0, 8, 4}, {0, 8, 0}, 60, 4, 4);
+  TestWorld t(b.scene);
+  Progress quiet;
+  const ReceiverParams params{.width = 1024, .height = 600, .spp = 1, .key = {5, 2}};
+  ReceiverResult first;
+  for (const int n_threads : {1, 2, 7}) {
+    const ThreadScope threads(n_threads);
+    ReceiverResult r = trace_receivers(t.world, params, quiet);
+    const std::size_t n = r.receivers.size();
+    ASSERT_GT(n, 100000u);
+    ASSERT_LT(n, 500000u);
+    EXPECT_EQ(r.receivers.wo.size(), n);
+    for (std::size_t i = 1; i < n; ++i) ASSERT_LT(r.receivers.sample[i - 1], r.receivers.sample[i]);
+    for (std::size_t i = 0; i < n; ++i)
+      ASSERT_NEAR(length(r.receivers.p[i] - Vec3{0, 8, 4}), r.samples.depth[r.receivers.sample[i]], 1e-3f);
+    if (n_threads == 1)
+      first = std::move(r);
+    else
+      EXPECT_TRUE(same_bits(first.receivers.p, r.receivers.p) && same_bits(first.receivers.bsdf, r.receivers.bsdf));
+  }
 }
 
 TEST(Receivers, FollowMirrorsToTheFirstWideSurface) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,7 +24,7 @@ using test::z_score;
 constexpr int kSize = 8;                 // pixels across
 using Quarters = std::array<Sample, 5>;  // mean radiance of the whole picture and of its four quarters
 
-void add_picture(Quarters& quarters, const std::vector<Rgb>& radiance, int spp) {
+void add_picture(Quarters& quarters, std::span<const Rgb> radiance, int spp) {
   std::array<double, 5> sums{};
   for (std::size_t s = 0; s < radiance.size(); ++s) {
     EXPECT_TRUE(is_finite(radiance[s]));
@@ -52,7 +53,7 @@ Quarters by_virtual_lights(const World& world, const Join& join, int n_pictures,
         trace_lights(world, {.n_lights = n_lights, .direct = !join.direct_by_sampling, .key = key}, quiet);
     std::vector<Rgb> from_lights(rows.receivers.size());
     brute_force(world, rows.receivers, columns.lights, join.clamp_distance, from_lights, quiet);
-    std::vector<Rgb> picture = rows.samples.emission;
+    Array<Rgb> picture = rows.samples.emission;
     for (std::size_t i = 0; i < rows.receivers.size(); ++i) {
       const Vertex vertex = receiver_vertex(world, rows.receivers, i);
       Rng direct(key, Stage::direct, i), rest(key, Stage::residual, i);

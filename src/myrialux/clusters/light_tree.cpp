@@ -6,6 +6,7 @@
 #include <array>
 #include <span>
 
+#include "myrialux/base/array.h"
 #include "myrialux/base/parallel.h"
 #include "myrialux/clusters/lobe_bounds.h"
 #include "myrialux/clusters/principal_axis.h"
@@ -33,7 +34,7 @@ struct Subtree {
 };
 
 void build(const Subtree& s, const NodeMaker& maker, LightTree& tree);
-std::vector<Point> points_of_kind(const VirtualLights& lights, const LightTree& tree, LightKind kind, float scale);
+Array<Point> points_of_kind(const VirtualLights& lights, const LightTree& tree, LightKind kind, float scale);
 void split(std::span<Point> points);
 
 }  // namespace
@@ -45,7 +46,7 @@ LightTree build_light_tree(const World& world, const VirtualLights& lights, floa
   tree.importance = light_importance(world, lights);
 
   // Places of all nodes follow from the counts, n - 1 inner ones for each kind, so subtrees are built independently.
-  std::array<std::vector<Point>, kLightKinds> points;
+  std::array<Array<Point>, kLightKinds> points;
   std::array<std::size_t, kLightKinds> n_lights{};
   for (int k = 0; k < kLightKinds; ++k) {
     points[k] = points_of_kind(lights, tree, static_cast<LightKind>(k), params.normal_weight * scene_radius);
@@ -98,11 +99,10 @@ Point make_point(const VirtualLights& lights, std::size_t j, float scale) {
   return point;
 }
 
-std::vector<Point> points_of_kind(const VirtualLights& lights, const LightTree& tree, LightKind kind, float scale) {
-  std::vector<Point> points;
-  for (std::size_t j = 0; j < lights.size(); ++j)
-    if (lights.kind[j] == kind && tree.importance[j] > 0) points.push_back(make_point(lights, j, scale));
-  return points;
+Array<Point> points_of_kind(const VirtualLights& lights, const LightTree& tree, LightKind kind, float scale) {
+  return select<Point>(
+      lights.size(), [&](std::size_t j) { return lights.kind[j] == kind && tree.importance[j] > 0; },
+      [&](std::size_t j) { return make_point(lights, j, scale); });
 }
 
 /// Moves the lower half along the principal axis to the front; ties by light.

@@ -17,7 +17,7 @@ struct SliceParams {
 
 /// A permutation of the receivers cut into slices: slice s holds order[begin[s] .. begin[s + 1]).
 struct Slices {
-  std::vector<ReceiverId> order;
+  Array<ReceiverId> order;
   std::vector<std::uint32_t> begin;  ///< [n_slices + 1]
   std::size_t size() const { return begin.empty() ? 0 : begin.size() - 1; }
   std::span<const ReceiverId> rows(std::size_t s) const {

@@ -68,6 +68,7 @@ Rgb EnvironmentMap::radiance(Vec3 d) const { return bilinear(polar(d).uv) * scal
 EnvironmentMap::Sample EnvironmentMap::sample(Vec2 u) const {
   if (patches_.sum() <= 0) return {};
   const Distribution2D::Sample s = patches_.sample(u);
+  prefetch(s.uv);
   float sine = 0;
   Sample out;
   out.direction = direction(s.uv, sine);
@@ -97,6 +98,14 @@ Vec3 EnvironmentMap::direction(Vec2 uv, float& sine) const {
   const Vec3 v{static_cast<float>(std::sin(phi) * s), static_cast<float>(std::cos(theta)),
                static_cast<float>(-std::cos(phi) * s)};
   return normalize(to_world_.vector(v));
+}
+
+/// Asks for the texels around: of large maps they lie in main memory, as far away as the sines of a direction take.
+void EnvironmentMap::prefetch(Vec2 uv) const {
+  const int w = image_->width, h = image_->height;
+  const int x = std::clamp(static_cast<int>(uv.x * static_cast<float>(w)), 0, w - 1);
+  const int y = std::clamp(static_cast<int>(uv.y * static_cast<float>(h - 1)), 0, h - 2);
+  image_->prefetch(x, y), image_->prefetch(x, y + 1);
 }
 
 Rgb EnvironmentMap::bilinear(Vec2 uv) const {

@@ -31,6 +31,7 @@ class EnvironmentMap {
   Polar polar(Vec3 direction) const;
   Vec3 direction(Vec2 uv, float& sine) const;
   Rgb bilinear(Vec2 uv) const;
+  void prefetch(Vec2 uv) const;
 
   const Image* image_ = nullptr;
   float scale_ = 1;

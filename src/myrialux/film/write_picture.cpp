@@ -128,16 +128,26 @@ std::uint64_t picture_write_bytes(int width, int height, std::size_t n_channels,
 namespace {
 
 void require_finite(const Picture& picture, const std::string& path) {
-  for (const Picture::Layer& layer : picture.layers)
-    for (std::size_t k = 0; k < layer.pixels.size(); ++k) {
-      if (std::isfinite(layer.pixels[k])) continue;
-      const std::size_t n = layer.channels.size(), pixel = k / n, width = static_cast<std::size_t>(picture.width);
-      throw Error(ErrorKind::input,
-                  fmt::format("{}: pixel {},{} of layer '{}' has {} in channel {}: not a finite number, so the picture "
-                              "is not written; look for NaN or huge values in the scene's textures and emitters",
-                              path, pixel % width, pixel / width, layer.name.empty() ? "RGB" : layer.name,
-                              layer.pixels[k], layer.channels[k % n]));
-    }
+  constexpr std::size_t kBlock = 1 << 16;
+  for (const Picture::Layer& layer : picture.layers) {
+    const std::size_t n_values = layer.pixels.size();
+    std::vector<std::size_t> bad((n_values + kBlock - 1) / kBlock, n_values);  // the first of each block
+    parallel_for(bad.size(), [&](std::size_t b) {
+      const auto begin = layer.pixels.begin() + static_cast<std::ptrdiff_t>(b * kBlock);
+      const auto end = layer.pixels.begin() + static_cast<std::ptrdiff_t>(std::min(n_values, (b + 1) * kBlock));
+      const auto found = std::find_if(begin, end, [](float x) { return !std::isfinite(x); });
+      if (found != end) bad[b] = static_cast<std::size_t>(found - layer.pixels.begin());
+    });
+    const auto first = std::find_if(bad.begin(), bad.end(), [&](std::size_t k) { return k < n_values; });
+    if (first == bad.end()) continue;
+    const std::size_t k = *first;
+    const std::size_t n = layer.channels.size(), pixel = k / n, width = static_cast<std::size_t>(picture.width);
+    throw Error(ErrorKind::input,
+                fmt::format("{}: pixel {},{} of layer '{}' has {} in channel {}: not a finite number, so the picture "
+                            "is not written; look for NaN or huge values in the scene's textures and emitters",
+                            path, pixel % width, pixel / width, layer.name.empty() ? "RGB" : layer.name,
+                            layer.pixels[k], layer.channels[k % n]));
+  }
 }
 
 std::vector<std::string> channel_names(const Picture& picture) {

@@ -60,34 +60,53 @@ HWY_INLINE V spot_falloff(D d, const SpotCone& spot, V cos_axis) {
                         hn::IfThenZeroElse(hn::Le(cos_axis, hn::Set(d, spot.cos_cutoff)), held));
 }
 
-/// Intensity towards each row as a factor of the light's colour. @param w towards the light, d / |d|
-/// @param side -d . ng of the light, exact in its sign; @param inverse_distance 1 / |d|
-template <LightShape kShape, LobeKind kKind, bool kGgx>
-HWY_INLINE V3 intensity(D d, const GeneralRun& run, const GeneralLight& light, V3 w, V side, V inverse_distance) {
-  const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-  Mask live = hn::Gt(side, zero);
+/// Irradiance of each row on a facing surface. @param w towards the light, d / |d|; @param side -d . ng of the light,
+/// exact in its sign; @param scale of the intensity: 1 / d^2, clamped
+template <LightShape kShape>
+HWY_INLINE V3 irradiance(D d, const GeneralRun& run, const GeneralLight& light, V3 w, V side, V scale) {
+  const V zero = hn::Zero(d);
+  V factor = scale;
   if constexpr (kShape == LightShape::oriented) {
-    const V cosine = hn::IfThenElseZero(live, hn::Max(hn::Neg(dot(spread(d, light.at.n), w)), zero));
-    return {cosine, cosine, cosine};
+    const V cosine = hn::Max(hn::Neg(dot(spread(d, light.at.n), w)), zero);
+    factor = hn::IfThenElseZero(hn::Gt(side, zero), hn::Mul(cosine, scale));
   } else if constexpr (kShape == LightShape::spot) {
-    const V fall = spot_falloff(d, run.spots[light.extra], hn::Neg(dot(spread(d, light.at.n), w)));
-    return {fall, fall, fall};
-  } else if constexpr (kShape == LightShape::glossy) {
-    const SameFields fields = same_fields(run.lobes[light.extra], run.tables.data());
-    live = hn::Eq(zero, zero);
-    const V3 away = {hn::Neg(w.x), hn::Neg(w.y), hn::Neg(w.z)};
-    // evaluate_lobes() has the cosine to the shading normal; an intensity has the one to the geometric normal.
-    const V cos_n = hn::Max(hn::Abs(dot(away, field3(d, fields, kFieldN))), hn::Set(d, 1e-12f));
-    const V cos_ng = hn::Mul(hn::Abs(side), inverse_distance);
-    const V3 value = evaluate_lobes<kKind, kGgx>(d, fields, away, side, live) * hn::Div(cos_ng, cos_n);
-    return {hn::IfThenElseZero(live, value.x), hn::IfThenElseZero(live, value.y), hn::IfThenElseZero(live, value.z)};
-  } else {
-    return {one, one, one};
+    const V cos_axis = hn::Neg(dot(spread(d, light.at.n), w));
+    factor = hn::Mul(spot_falloff(d, run.spots[light.extra], cos_axis), scale);
+  }
+  return spread(d, light.at.rgb) * factor;
+}
+
+/// The rows that a glossy light's lobes are still to be evaluated for: `w` is set, and in place of `rgb` what they
+/// need.
+enum BeforeLobes : std::size_t {
+  kLightSide,        ///< -d . ng of the light, exact in its sign
+  kInverseDistance,  ///< 1 / |d|
+  kScale,            ///< 1 / d^2, clamped
+};
+
+/// Evaluates the lobes of a glossy light in a loop of its own: each loop's chain of operations is then short enough
+/// that several vectors are under way at a time.
+template <LobeKind kKind, bool kGgx>
+void shine_on_rows(const GeneralRun& run, const GeneralLight& light, std::uint64_t bits, Incident& out) {
+  const D d;
+  // The lobes hold the light's colour, and directions from the light turned round.
+  const SameFields fields = same_fields(run.lobes[light.extra], run.tables.data());
+  for (std::size_t row = 0; row < kBlockRows; row += hn::Lanes(d)) {
+    if (!has_rows(bits, row)) continue;
+    const V side = hn::Load(d, out.rgb[kLightSide] + row), scale = hn::Load(d, out.rgb[kScale] + row);
+    Mask live = hn::Eq(side, side);
+    const V3 f = evaluate_lobes<kKind, kGgx, /*kOverCos=*/true>(d, fields, load(d, out.w, row), side, live);
+    // An intensity has the cosine to the geometric normal.
+    const V cos_ng = hn::Mul(hn::Mul(hn::Abs(side), hn::Load(d, out.rgb[kInverseDistance] + row)), scale);
+    store(d,
+          {hn::IfThenElseZero(live, hn::Mul(f.x, cos_ng)), hn::IfThenElseZero(live, hn::Mul(f.y, cos_ng)),
+           hn::IfThenElseZero(live, hn::Mul(f.z, cos_ng))},
+          out.rgb, row);
   }
 }
 
 /// @param bits rows wanted; vectors of rows without any are left as they are
-template <LightShape kShape, LobeKind kKind = LobeKind::diffuse, bool kGgx = false>
+template <LightShape kShape>
 void light_rows(const RowBlock& rows, const GeneralRun& run, const GeneralLight& light, std::uint64_t bits,
                 Incident& out) {
   const D d;
@@ -96,10 +115,11 @@ void light_rows(const RowBlock& rows, const GeneralRun& run, const GeneralLight&
   for (std::size_t row = 0; row < kBlockRows; row += hn::Lanes(d)) {
     if (!has_rows(bits, row)) continue;
     const V3 ng = load(d, rows.ng, row);
-    V3 rgb = spread(d, light.at.rgb), w;
+    V3 rgb, w;
     if constexpr (kShape == LightShape::directional) {
       const V3 n = spread(d, light.at.n);
       w = {hn::Neg(n.x), hn::Neg(n.y), hn::Neg(n.z)};
+      rgb = spread(d, light.at.rgb);
       hn::Store(dot_unfused(w, ng), d, out.side + row);
       hn::Store(hn::Zero(d), d, out.excess + row);
     } else {
@@ -108,7 +128,10 @@ void light_rows(const RowBlock& rows, const GeneralRun& run, const GeneralLight&
       const V inverse_distance = hn::Sqrt(inverse);
       w = to_light * inverse_distance;
       const V light_side = hn::Neg(dot_unfused(to_light, spread(d, light.at.ng)));
-      rgb = rgb * intensity<kShape, kKind, kGgx>(d, run, light, w, light_side, inverse_distance) * clamped;
+      if constexpr (kShape == LightShape::glossy)
+        rgb = {light_side, inverse_distance, clamped};
+      else
+        rgb = irradiance<kShape>(d, run, light, w, light_side, clamped);
       hn::Store(dot_unfused(to_light, ng), d, out.side + row);
       if (is_tracked(run, row)) hn::Store(hn::Sub(hn::Div(inverse, clamped), one), d, out.excess + row);
     }
@@ -118,14 +141,13 @@ void light_rows(const RowBlock& rows, const GeneralRun& run, const GeneralLight&
 }
 
 struct GlossyLightVisitor {
-  const RowBlock& rows;
   const GeneralRun& run;
   const GeneralLight& light;
   std::uint64_t bits;
   Incident& out;
   template <LobeKind kKind, bool kGgx>
   void visit() const {
-    light_rows<LightShape::glossy, kKind, kGgx>(rows, run, light, bits, out);
+    shine_on_rows<kKind, kGgx>(run, light, bits, out);
   }
 };
 
@@ -141,7 +163,8 @@ inline void find_incident(const RowBlock& rows, const GeneralRun& run, const Gen
     case LightShape::spot:
       return light_rows<LightShape::spot>(rows, run, light, bits, out);
     case LightShape::glossy:
-      return visit_class(run.lobes[light.extra].lobe_class, GlossyLightVisitor{rows, run, light, bits, out});
+      light_rows<LightShape::glossy>(rows, run, light, bits, out);
+      return visit_class(run.lobes[light.extra].lobe_class, GlossyLightVisitor{run, light, bits, out});
   }
 }
 

@@ -28,7 +28,7 @@ struct GeneralRun {
   std::span<const std::uint64_t> visible;  ///< [lights.size()], bit r: row r sees the light and takes part
   std::span<const SpotCone> spots;
   std::span<const LightLobes> lobes;
-  std::span<const float> tables;  ///< transmittances of rough coats, [n * kTableNodes]
+  std::span<const float> tables;  ///< transmittances of rough coats, [n * kTableFloats]
   float clamp_distance = 0;       ///< 0: unclamped; then nothing is removed
   std::uint64_t tracked = 0;      ///< rows whose removed light is summed, in groups of 16
 };

@@ -2,6 +2,7 @@
 #include "myrialux/math/distribution.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "myrialux/base/assert.h"
@@ -29,13 +30,23 @@ Distribution1D::Distribution1D(std::span<const float> weights) : cumulative_(wei
     MYRIALUX_ASSERT(weights[i] >= 0);
     cumulative_[i + 1] = cumulative_[i] + weights[i];
   }
+  // Some eight weights an interval: one or two cache lines a search, which are mostly not at hand.
+  const std::size_t m = std::bit_ceil(std::max<std::size_t>(1, weights.size() / 8));
+  guide_.resize(m + 1);
+  std::size_t above = 1;
+  for (std::size_t k = 0; k <= m; ++k) {
+    const double target = static_cast<float>(k) / static_cast<float>(m) * sum();
+    while (above < cumulative_.size() && cumulative_[above] <= target) ++above;
+    guide_[k] = static_cast<std::uint32_t>(above);
+  }
 }
 
 Distribution1D::Sample Distribution1D::sample(float u) const {
   MYRIALUX_ASSERT(sum() > 0);
   const double target = u * cumulative_.back();
+  const std::size_t m = guide_.size() - 1, k = std::min(static_cast<std::size_t>(u * static_cast<float>(m)), m - 1);
   // upper_bound skips entries of weight 0, which end where they begin
-  const auto it = std::upper_bound(cumulative_.begin() + 1, cumulative_.end(), target);
+  const auto it = std::upper_bound(cumulative_.begin() + guide_[k], cumulative_.begin() + guide_[k + 1], target);
   std::size_t i = static_cast<std::size_t>(std::min(it, cumulative_.end() - 1) - cumulative_.begin()) - 1;
   while (cumulative_[i + 1] == cumulative_[i] && i > 0) --i;
   const double width = cumulative_[i + 1] - cumulative_[i];

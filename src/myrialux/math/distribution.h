@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,8 @@ class Distribution1D {
 
  private:
   std::vector<double> cumulative_;  ///< [n + 1], from 0
+  /// Where in `cumulative_` the search for u in [k / m, (k + 1) / m] begins and ends: [m + 1], m a power of two.
+  std::vector<std::uint32_t> guide_;
 };
 
 /// Piecewise-constant density over the unit square, rows of cells; density per unit area.

@@ -100,7 +100,7 @@ Method prepare_mdlc(const World& world, const VirtualLights& lights, float scene
   return [pass](const FrameView& frame, const MethodParams& own, Progress& part_progress, RenderStats& part_stats) {
     Stopwatch part_wall;
     MethodResult result;
-    result.radiance.resize(frame.receivers.size());
+    result.radiance.assign(frame.receivers.size(), Rgb{});
     const std::vector<std::uint32_t> begin = pixel_ranges(frame.receivers, frame.spp);
     const Counts counts = render_pixels(frame, own, pass->lights, begin, result.radiance, part_progress);
     part_stats.time_s["visibility"] += part_wall.lap();

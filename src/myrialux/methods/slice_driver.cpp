@@ -32,10 +32,11 @@ MethodResult render_slices(const FrameView& frame, const MethodParams& params, c
                            Progress& progress, RenderStats& stats) {
   // Rows and columns are grouped first: both depend only on where things are, not on who sees whom.
   Stopwatch wall;
+  const ProcessStopwatch cpu;
   progress.stage("clusters", 0, "");
   const Slices slices = make_slices(frame.receivers, frame.scene_radius, params.slices);
   const LightTree tree = build_light_tree(frame.world, frame.lights, frame.scene_radius, params.tree);
-  stats.time_s["cluster"] += wall.lap();
+  stats.time_s["cluster"] += wall.lap(), stats.cpu_s["group"] += cpu.elapsed();
 
   // Which lights stand for all, slice by slice; methods may look at the whole frame first.
   const MethodParams chosen = with_chosen_clusters(frame, params, slices, tree, progress, stats);

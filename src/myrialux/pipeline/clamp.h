@@ -1,7 +1,7 @@
 // The least distance of virtual lights: a share of the scene's size as the camera sees it, or a length.
 #pragma once
 
-#include <vector>
+#include <span>
 
 #include "myrialux/receivers/receivers.h"
 
@@ -12,13 +12,13 @@ namespace myrialux {
 inline constexpr int kSizeSamples = 4;
 
 /// Positions of those, of a whole picture of `spp` samples a pixel.
-std::vector<Vec3> size_points(const Receivers& receivers, int spp);
+Array<Vec3> size_points(const Receivers& receivers, int spp);
 
 /// Half the diagonal of the box that holds the middle 96 % of the points along each axis: a scene size that one far
 /// ground plane does not spoil.
-float robust_radius(const std::vector<Vec3>& points);
+float robust_radius(std::span<const Vec3> points);
 
 /// Least distance that counts, in scene units; 0: none. @param clamp, clamp_distance as in RenderParams
-float clamp_length(float clamp, float clamp_distance, const std::vector<Vec3>& points);
+float clamp_length(float clamp, float clamp_distance, std::span<const Vec3> points);
 
 }  // namespace myrialux

@@ -70,7 +70,9 @@ Metadata describe(const Scene& scene, const Settings& settings, const RenderStat
 }  // namespace
 
 RenderOutput render(const Scene& scene, const RenderParams& params, Progress& progress) {
-  Stopwatch total, wall;
+  const Stopwatch total;
+  const ProcessStopwatch total_cpu;
+  StageClock clock;
   const MethodInfo& method = find_method(params.method);
   const Settings settings = settle(scene, params);
   require_renderable(scene);
@@ -94,7 +96,7 @@ RenderOutput render(const Scene& scene, const RenderParams& params, Progress& pr
                     .max_depth = settings.max_depth,
                     .rr_depth = scene.rr_depth,
                     .sharp_alpha = settings.tuned.sharp_alpha};
-  stats.time_s["build"] = wall.lap();
+  clock.lap("build", stats);
   stats.memory.scene = tracer.memory_bytes();
 
   MemoryGuard memory(world, settings);
@@ -108,15 +110,15 @@ RenderOutput render(const Scene& scene, const RenderParams& params, Progress& pr
       render_pass(world, settings, pass, memory, frame, progress, stats);
     add_light_stats_means(stats);
   }
-  wall.lap();
+  clock.skip();
   progress.stage("film", 0, "");
   output.picture = frame.picture(params.aovs);
-  stats.time_s["film"] += wall.lap();
+  clock.lap("film", stats);
 
   stats.scene = scene.path, stats.method = params.method, stats.seed = params.seed, stats.threads = n_threads;
   stats.isa = isa_name();
   for (const Diagnostic& d : scene.diagnostics) stats.warnings.push_back(to_string(d));
-  stats.time_s["total"] = total.elapsed();
+  stats.time_s["total"] = total.elapsed(), stats.cpu_s["total"] = total_cpu.elapsed();
   stats.memory.peak_rss = peak_rss_bytes();
   output.metadata = describe(scene, settings, stats);
   stats.parameters = output.metadata;
@@ -246,10 +248,10 @@ std::uint64_t n_samples(const RenderParams& params) {
 void add_first_hits(ReceiverResult& rows, FrameState& frame, RenderStats& stats) {
   stats.rays.camera += rows.camera_rays;
   stats.receivers += rows.receivers.size();
-  const Stopwatch wall;
+  StageClock clock;
   frame.add_first_hits(rows.samples);
   rows.samples.drop_layers();
-  stats.time_s["film"] += wall.elapsed();
+  clock.lap("film", stats);
 }
 
 void warn_inside_walls(std::uint64_t inside_walls, std::uint64_t n_first_hits, RenderStats& stats) {
@@ -265,16 +267,16 @@ void render_pass(const World& world, const Settings& settings, int pass, MemoryG
   if (params.passes > 1) progress.note(fmt::format("pass {} of {}", pass + 1, params.passes));
   if (rows_at_once(memory.extent()) < params.height)
     return render_pass_in_bands(world, settings, pass, memory, frame, progress, stats);
-  Stopwatch wall;
+  StageClock clock;
 
   // Rows and columns of the light matrix.
   ReceiverResult rows = trace_receivers(world, receiver_params(params, pass), progress);
-  stats.time_s["receivers"] += wall.lap();
+  clock.lap("receivers", stats);
   add_first_hits(rows, frame, stats);
-  wall.lap();
+  clock.skip();
   const VirtualLights lights = read_or_trace(world, settings, pass, progress, stats);
   memory.require_for(lights);
-  stats.time_s["lights"] += wall.lap();
+  clock.lap("lights", stats);
   const float clamp = clamp_length(params.clamp, params.clamp_distance, size_points(rows.receivers, params.spp));
 
   const MethodParams method_params = params_of_pass(settings, pass, clamp, stats);
@@ -287,17 +289,17 @@ void render_pass(const World& world, const Settings& settings, int pass, MemoryG
 void render_pass_in_bands(const World& world, const Settings& settings, int pass, MemoryGuard& memory,
                           FrameState& frame, Progress& progress, RenderStats& stats) {
   const RenderParams& params = settings.render;
-  Stopwatch wall;
+  StageClock clock;
   const VirtualLights lights = read_or_trace(world, settings, pass, progress, stats);
   memory.require_for(lights);
-  stats.time_s["lights"] += wall.lap();
+  clock.lap("lights", stats);
   float clamp = params.clamp_distance;
   if (clamp < 0) {
     PathCounters rays;
     const auto points = trace_receiver_positions(world, receiver_params(params, pass), kSizeSamples, rays);
     clamp = clamp_length(params.clamp, -1, points);
     stats.rays.camera += rays.closest;
-    stats.time_s["receivers"] += wall.lap();
+    clock.lap("receivers", stats);
   }
 
   const MethodParams method_params = params_of_pass(settings, pass, clamp, stats);
@@ -309,9 +311,9 @@ void render_pass_in_bands(const World& world, const Settings& settings, int pass
   const int n_rows = rows_at_once(memory.extent());
   for (int y = 0; y < params.height; y += n_rows) {
     const int end = std::min(params.height, y + n_rows);
-    wall.lap();
+    clock.skip();
     ReceiverResult rows = trace_receiver_rows(world, receiver_params(params, pass), y, end, silent);
-    stats.time_s["receivers"] += wall.lap();
+    clock.lap("receivers", stats);
     add_first_hits(rows, frame, stats);
     add_to_frame(world, settings, method, method_params, lights, rows, frame, silent, stats);
     inside_walls += rows.inside_walls;
@@ -326,7 +328,7 @@ void add_to_frame(const World& world, const Settings& settings, const Method& me
                   RenderStats& stats) {
   const RenderParams& params = settings.render;
   const Receivers& receivers = rows.receivers;
-  Stopwatch wall;
+  StageClock clock;
 
   // The method: which entries are joined, and how they are summed.
   MethodResult result = method({.world = world,
@@ -336,7 +338,7 @@ void add_to_frame(const World& world, const Settings& settings, const Method& me
                                 .spp = params.spp,
                                 .n_samples = rows.samples.size()},
                                method_params, progress, stats);
-  wall.lap();
+  clock.skip();
 
   // What virtual lights leave out, by rays of each receiver's own.
   const bool direct = params.direct == RenderParams::Direct::sampled;
@@ -349,23 +351,23 @@ void add_to_frame(const World& world, const Settings& settings, const Method& me
                                                    .key = method_params.key},
                                                   result.radiance, progress);
     stats.rays.compensation += counters.closest + counters.occlusion;
-    stats.time_s["direct"] += wall.lap();
+    clock.lap("direct", stats);
   }
 
   // Camera samples: what was seen directly, plus the receiver's light.
-  std::vector<Rgb> radiance = std::move(rows.samples.emission);
+  Array<Rgb> radiance = std::move(rows.samples.emission);
   parallel_for(
       receivers.size(), [&](std::size_t i) { radiance[receivers.sample[i]] += receivers.beta[i] * result.radiance[i]; },
       4096);
   frame.add_radiance(rows.samples, radiance);
   frame.add_slices(receivers, result, params.spp);
-  stats.time_s["film"] += wall.lap();
+  clock.lap("film", stats);
 }
 
 void render_path(const World& world, const Settings& settings, const FrameExtent& extent, FrameState& frame,
                  Progress& progress, RenderStats& stats) {
   const RenderParams& params = settings.render;
-  Stopwatch wall;
+  StageClock clock;
   std::uint32_t pass = 0;
   for (int left = params.passes * params.spp; left > 0; left -= kPathSamplesAtOnce, ++pass) {
     const ReceiverParams samples{.width = params.width,
@@ -379,10 +381,10 @@ void render_path(const World& world, const Settings& settings, const FrameExtent
       const PathSamples paths = trace_path_rows(world, samples, y, std::min(params.height, y + n_rows), progress);
       stats.rays.camera += paths.rays.closest;
       stats.rays.shadow += paths.rays.occlusion;
-      stats.time_s["shade"] += wall.lap();
+      clock.lap("shade", stats);
       frame.add_first_hits(paths.samples);
       frame.add_radiance(paths.samples, paths.radiance);
-      stats.time_s["film"] += wall.lap();
+      clock.lap("film", stats);
     }
     ++stats.passes;
   }

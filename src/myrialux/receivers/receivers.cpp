@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <type_traits>
 
 #include "myrialux/base/parallel.h"
 #include "myrialux/transport/walk.h"
@@ -53,7 +54,7 @@ ReceiverResult trace_receiver_rows(const World& world, const ReceiverParams& par
     throw Error(ErrorKind::limit, "a pass of " + std::to_string(n) +
                                       " camera samples is more than 2^32 - 1; render more passes of fewer samples");
   samples.position.resize(n), samples.emission.resize(n), samples.albedo.resize(n), samples.normal.resize(n);
-  samples.depth.assign(n, kInfinity);
+  samples.depth.resize(n);
   const std::size_t first = result.receivers.first_sample = width * static_cast<std::size_t>(y_begin) * spp;
 
   // A block of pixels is a work item with room for a receiver a sample; then the blocks are moved together in order, so
@@ -141,6 +142,8 @@ std::optional<Reached> trace_sample(const World& world, const ReceiverParams& pa
   const CameraSample drawn =
       camera_sample(camera, params.width, sample / spp, static_cast<int>(sample % spp), params.spp, params.key);
   samples.position[k] = drawn.film;
+  samples.emission[k] = samples.albedo[k] = {};
+  samples.normal[k] = {}, samples.depth[k] = kInfinity;
   const Ray ray = camera_ray(camera, params.width, params.height, drawn);
   Rng rng(params.key, Stage::receiver, sample);
   return follow_sharp(world, lens_point(camera, drawn), ray, rng, k, samples, block);
@@ -197,17 +200,32 @@ void record_first_hit(Vec3 lens, CameraSamples& samples, std::size_t sample, con
   samples.depth[sample] = length(vertex.surface.p - lens);
 }
 
+/// What lies between the first gap and the end moves by way of a buffer, some blocks at a time: their copies do not
+/// overlap, so all threads copy.
 void close_gaps(Receivers& receivers, const std::vector<BlockOfSamples>& blocks, std::size_t block_samples) {
-  std::size_t n = 0;
-  for (const BlockOfSamples& block : blocks) n += block.n_receivers;
+  constexpr std::size_t kBlocksAtOnce = 256;
+  std::vector<std::size_t> to(blocks.size() + 1);
+  for (std::size_t b = 0; b < blocks.size(); ++b) to[b + 1] = to[b] + blocks[b].n_receivers;
+  std::size_t first_moved = 0;
+  while (first_moved < blocks.size() && to[first_moved] == first_moved * block_samples) ++first_moved;
   for_each_array(receivers, [&](auto& array) {
-    auto end = array.begin();
-    for (std::size_t b = 0; b < blocks.size(); ++b) {
-      const auto begin = array.begin() + static_cast<std::ptrdiff_t>(b * block_samples);
-      const auto count = static_cast<std::ptrdiff_t>(blocks[b].n_receivers);
-      end = begin == end ? end + count : std::copy_n(begin, count, end);
+    std::remove_reference_t<decltype(array)> buffer;
+    for (std::size_t first = first_moved; first < blocks.size(); first += kBlocksAtOnce) {
+      const std::size_t n = std::min(kBlocksAtOnce, blocks.size() - first), begin = to[first];
+      buffer.resize(to[first + n] - begin);
+      const auto copy_blocks = [&](const auto& from, const auto& into) {
+        parallel_for(n, [&](std::size_t k) {
+          const std::size_t b = first + k;
+          std::copy_n(from(b), blocks[b].n_receivers, into(b));
+        });
+      };
+      const auto in_array = [&](std::size_t b) { return array.data() + b * block_samples; };
+      const auto in_buffer = [&](std::size_t b) { return buffer.data() + (to[b] - begin); };
+      const auto moved = [&](std::size_t b) { return array.data() + to[b]; };
+      copy_blocks(in_array, in_buffer);
+      copy_blocks(in_buffer, moved);
     }
-    array.resize(n);
+    array.resize(to.back());
   });
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "myrialux/base/array.h"
 #include "myrialux/base/progress.h"
 #include "myrialux/base/rng.h"
 #include "myrialux/transport/paths.h"
@@ -12,17 +13,17 @@ namespace myrialux {
 
 /// All arrays have length size().
 struct Receivers {
-  std::vector<Vec3> p;        ///< on the surface
-  std::vector<float> offset;  ///< see SurfacePoint::offset
-  std::vector<Vec3> ng, n;    ///< geometric and shading normal; n on the side of wo (= -(the BSDF's) if inside), ng on
-                              ///< the side of n
-  std::vector<Vec3> wo;       ///< unit, towards where the camera path came from
-  std::vector<BsdfParams> bsdf;
-  std::vector<Rgb> beta;              ///< path weight from the camera, choice of lobes included
-  std::vector<std::uint32_t> sample;  ///< camera sample it belongs to, among those traced: pixel * spp + k
-  std::vector<std::uint8_t> depth;    ///< path edges from the camera to here, >= 1
-  std::vector<std::uint8_t> inside;   ///< 1: seen from the back of a one-sided (refracting) material: local wo.z < 0
-  std::uint64_t first_sample = 0;     ///< place in the picture of the first sample traced
+  Array<Vec3> p;        ///< on the surface
+  Array<float> offset;  ///< see SurfacePoint::offset
+  Array<Vec3> ng, n;    ///< geometric and shading normal; n on the side of wo (= -(the BSDF's) if inside), ng on
+                        ///< the side of n
+  Array<Vec3> wo;       ///< unit, towards where the camera path came from
+  Array<BsdfParams> bsdf;
+  Array<Rgb> beta;                 ///< path weight from the camera, choice of lobes included
+  Array<std::uint32_t> sample;     ///< camera sample it belongs to, among those traced: pixel * spp + k
+  Array<std::uint8_t> depth;       ///< path edges from the camera to here, >= 1
+  Array<std::uint8_t> inside;      ///< 1: seen from the back of a one-sided (refracting) material: local wo.z < 0
+  std::uint64_t first_sample = 0;  ///< place in the picture of the first sample traced
   std::size_t size() const { return p.size(); }
   void reserve(std::size_t n);
   void resize(std::size_t n);
@@ -34,18 +35,18 @@ inline constexpr std::size_t kReceiverBytes =
 /// What a camera sample saw on its way, for film and AOVs; indexed by camera sample.
 struct CameraSamples {
   int width = 0, height = 0, spp = 0;
-  int first_row = 0;           ///< of the picture's rows of pixels that the samples belong to
-  std::vector<Vec2> position;  ///< on the film, pixels from the top left
-  std::vector<Rgb> emission;   ///< emission and environment seen directly or through sharp lobes, weighted
-  std::vector<Rgb> albedo;     ///< at the first hit
-  std::vector<Vec3> normal;    ///< at the first hit, world; 0 for none
-  std::vector<float> depth;    ///< distance to the first hit, infinity for none
+  int first_row = 0;     ///< of the picture's rows of pixels that the samples belong to
+  Array<Vec2> position;  ///< on the film, pixels from the top left
+  Array<Rgb> emission;   ///< emission and environment seen directly or through sharp lobes, weighted
+  Array<Rgb> albedo;     ///< at the first hit
+  Array<Vec3> normal;    ///< at the first hit, world; 0 for none
+  Array<float> depth;    ///< distance to the first hit, infinity for none
   std::size_t size() const { return position.size(); }
   /// Frees what only the layers need: albedo, normal, depth.
   void drop_layers() {
-    std::vector<Rgb>().swap(albedo);
-    std::vector<Vec3>().swap(normal);
-    std::vector<float>().swap(depth);
+    Array<Rgb>().swap(albedo);
+    Array<Vec3>().swap(normal);
+    Array<float>().swap(depth);
   }
 };
 /// Memory of one camera sample: what is kept to the end of a pass, and what only the layers need.

@@ -36,7 +36,7 @@ PathSamples trace_path_rows(const World& world, const ReceiverParams& params, in
   const std::size_t per_row = static_cast<std::size_t>(params.width) * static_cast<std::size_t>(params.spp);
   const std::size_t n = per_row * n_rows, first = per_row * static_cast<std::size_t>(y_begin);
   out.samples.position.resize(n), out.samples.emission.resize(n), out.samples.albedo.resize(n);
-  out.samples.normal.resize(n), out.samples.depth.assign(n, kInfinity), out.radiance.resize(n);
+  out.samples.normal.resize(n), out.samples.depth.resize(n), out.radiance.resize(n);
   std::vector<PathCounters> rays(n_rows);
   parallel_for(n_rows, [&](std::size_t y) {
     for (std::size_t k = y * per_row; k < (y + 1) * per_row; ++k)
@@ -96,6 +96,8 @@ void trace_sample(const World& world, const ReceiverParams& params, std::size_t 
   const Ray ray = camera_ray(camera, params.width, params.height, drawn);
   Rng rng(params.key, Stage::path, sample);
   out.samples.position[k] = drawn.film;
+  out.samples.emission[k] = out.samples.albedo[k] = {};
+  out.samples.normal[k] = {}, out.samples.depth[k] = kInfinity;
   FirstHit first;
   out.radiance[k] = path_radiance(world, ray, 0, rng, rays, &first);
   if (!first.any) return;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "myrialux/base/clock.h"
 #include "myrialux/math/intervals.h"
 
 namespace myrialux {
@@ -64,8 +65,8 @@ struct RenderStats {
   /// Wall seconds by stage: load build receivers lights cluster visibility complete shade film total. Stages that run
   /// side by side in slices share the wall time of their loop in proportion to their CPU time.
   std::map<std::string, double> time_s;
-  /// CPU seconds of all threads, of stages that measure them: those inside slices. Other work on the machine disturbs
-  /// them less than wall time.
+  /// CPU seconds of all threads, stage by stage: of all that the frame does, of the grouping of rows and columns
+  /// ("group"), and of what slices do. Other work on the machine disturbs them less than wall time.
   std::map<std::string, double> cpu_s;
   struct Memory {
     std::uint64_t peak_rss = 0, scene = 0, slices_peak = 0;
@@ -80,6 +81,22 @@ struct RenderStats {
   double error_estimate = -1, error_confidence = -1;  ///< -1: not measured
   double clamped_energy_fraction = -1;
   std::vector<std::string> warnings;
+};
+
+/// Times one stage after another.
+class StageClock {
+ public:
+  /// Adds the time since the last call, or since it was made, to a stage.
+  void lap(const char* stage, RenderStats& stats) {
+    stats.time_s[stage] += wall_.lap();
+    stats.cpu_s[stage] += cpu_.lap();
+  }
+  /// Forgets that time.
+  void skip() { wall_.lap(), cpu_.lap(); }
+
+ private:
+  Stopwatch wall_;
+  ProcessStopwatch cpu_;
 };
 
 /// The meter's numbers with their 95 % intervals; zeros without rays.

@@ -59,6 +59,11 @@ ShapePoint point_on_triangle(const Mesh& mesh, bool flip_normals, std::uint32_t 
                              const Placement* placement) {
   const std::uint32_t* corner = &mesh.indices[3 * std::size_t{triangle}];
   const double b0 = 1 - b1 - b2;
+  // Corners lie anywhere: all that is known of them is asked for at once.
+  for (int k = 0; k < 3; ++k) {
+    if (!mesh.normals.empty()) __builtin_prefetch(&mesh.normals[corner[k]]);
+    if (!mesh.uvs.empty()) __builtin_prefetch(&mesh.uvs[corner[k]]);
+  }
   Point3d v[3];
   for (int k = 0; k < 3; ++k) {
     v[k] = widen(mesh.positions[corner[k]]);

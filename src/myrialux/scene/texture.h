@@ -21,6 +21,13 @@ struct Image {
   /// Linear colour of a pixel; indices must be inside.
   Rgb texel(int x, int y) const;
   float alpha(int x, int y) const;  ///< 1 where there is no alpha channel
+  /// Asks for a pixel's memory.
+  void prefetch(int x, int y) const {
+    const std::size_t at =
+        (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *
+        static_cast<std::size_t>(channels);
+    __builtin_prefetch(floats.empty() ? static_cast<const void*>(bytes.data() + at) : floats.data() + at);
+  }
 };
 
 struct Texture {

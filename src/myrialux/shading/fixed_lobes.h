@@ -9,7 +9,7 @@
 
 namespace myrialux {
 
-/// Transmittances of rough coats for the roughnesses of a slice, [n * kTableNodes]; equal ones are kept once.
+/// Transmittances of rough coats for the roughnesses of a slice, [n * kTableFloats]; equal ones are kept once.
 class CoatTables {
  public:
   void clear() { values_.clear(), known_.clear(); }

@@ -25,6 +25,8 @@ struct GatheredColumns {
   std::vector<GeneralLight> general;      ///< all that light anything: first `n_slow` of no fast kind, then the others
   std::vector<std::uint32_t> column;      ///< of each general light, rising in both parts
   std::size_t n_slow = 0;
+  std::vector<GeneralLight> fast;  ///< those of the fast kinds once more
+  std::vector<std::uint32_t> fast_column;
   std::vector<SpotCone> spots;
   std::vector<LightLobes> lobes;
 };
