@@ -22,6 +22,7 @@ constexpr float kRedoneSlack = 0.25f;
 
 /// The whole frame is completed again so often at most, with no less than this part of the slack.
 constexpr int kMostRounds = 2;
+constexpr double kTightenedAbove = 2;
 constexpr double kLargestStep = 1.0 / 16;
 
 }  // namespace
@@ -74,13 +75,13 @@ void SliceLoop::render_all(Progress& progress) {
   });
 }
 
-/// Sets less slack if even the low end of the frame's error is above its limit. The pilot's slices are few: those of
-/// small frames can be far from the others. Errors grow at least with the root of the slack (docs/visibility.md).
+/// Sets less slack if even the low end of the frame's error is above twice its limit. The pilot's slices are few: those
+/// of small frames can be far from the others. Errors grow at least with the root of the slack (docs/visibility.md).
 bool SliceLoop::tighten() {
   if (!has_meter() || slack_ <= 0) return false;
   const MeterErrors errors = meter_errors(frame_meter());
   const double limit = static_cast<double>(method_.largest_error);
-  if (errors.error_interval.low <= limit) return false;
+  if (errors.error_interval.low <= kTightenedAbove * limit) return false;
   const double step = limit / errors.error;
   const auto tighter = static_cast<float>(on_scale(static_cast<double>(slack_) * std::max(kLargestStep, step * step)));
   slack_ = slack_ > kLeastSlack ? std::max(tighter, kLeastSlack) : 0.0f;
