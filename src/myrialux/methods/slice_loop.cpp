@@ -2,6 +2,7 @@
 #include "myrialux/methods/slice_loop.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -20,9 +21,17 @@ constexpr double kRedoneAbove = 3;
 constexpr std::uint64_t kLeastWrongRays = 16;
 constexpr float kRedoneSlack = 0.25f;
 
-/// The whole frame is completed again so often at most, with no less than this part of the slack.
+/// Of eight slices the first one, two, four and all are completed before the slack follows the meter.
+constexpr std::array<std::size_t, 4> kBatchEnds = {1, 2, 4, 8};
+
+/// The whole frame is completed again so often at most, where its error is above this many times the limit.
 constexpr int kMostRounds = 2;
 constexpr double kTightenedAbove = 2;
+
+/// Fewer slices do not tell by their scatter how sure their mean is.
+constexpr std::uint64_t kLeastMetered = 16;
+
+/// The slack changes by no more than this factor at once.
 constexpr double kLargestStep = 1.0 / 16;
 
 }  // namespace
@@ -58,16 +67,23 @@ void SliceLoop::run(Progress& progress) {
   if (!has_meter()) slack_ = 0;  // without a pilot, or where it is black, nobody knows what copies would do
   // Where no slack is small enough all is traced, and the error is known to be 0.
   if (has_meter()) result.visibility_error.resize(frame_.receivers.size());
-  render_all(progress);
+  std::size_t begin = 0;
+  for (const std::size_t end : kBatchEnds) {
+    render_some(begin, end, progress);
+    begin = end;
+    if (end < kBatchEnds.back()) follow_meter();
+  }
   for (int round = 0; round < kMostRounds && tighten(); ++round) {
     progress.stage("slices, with less copied", slices_.size() - pilot_.size(), "slices");
-    render_all(progress);
+    render_some(0, kBatchEnds.back(), progress);
   }
 }
 
-void SliceLoop::render_all(Progress& progress) {
+/// Slices s with s % 8 in [begin, end).
+void SliceLoop::render_some(std::size_t begin, std::size_t end, Progress& progress) {
   parallel_for(slices_.size(), [&](std::size_t s) {
-    if (in_pilot(s)) return;
+    const std::size_t at = s % kBatchEnds.back();
+    if (in_pilot(s) || at < begin || at >= end) return;
     const SliceReport before = std::exchange(reports_[s], {});
     render(s);
     reports_[s].add_cost_of(before);
@@ -75,11 +91,26 @@ void SliceLoop::render_all(Progress& progress) {
   });
 }
 
-/// Sets less slack if even the low end of the frame's error is above twice its limit. The pilot's slices are few: those
-/// of small frames can be far from the others. Errors grow at least with the root of the slack (docs/visibility.md).
+/// The slack for the slices to come, from what the meter is sure of in those before. The pilot's slices are few, and
+/// where few pixels make most of the error, others can err twice as much or half. Errors grow at least with the root of
+/// the slack (docs/visibility.md).
+void SliceLoop::follow_meter() {
+  if (!has_meter() || slack_ <= 0) return;
+  const RenderStats::Visibility::Meter meter = meter_of_frame(false);
+  if (meter.slices < kLeastMetered) return;
+  const MeterErrors errors = meter_errors(meter);
+  const double limit = static_cast<double>(method_.largest_error);
+  const auto [low, high] = errors.error_interval;
+  const double ratio = low > limit ? limit / errors.error : high > 0 && high < limit ? limit / high : 1;
+  if (ratio == 1) return;
+  const double step = std::clamp(ratio * ratio, kLargestStep, 1 / kLargestStep);
+  slack_ = std::clamp(static_cast<float>(on_scale(static_cast<double>(slack_) * step)), kLeastSlack, kLargestSlack);
+}
+
+/// Sets less slack if even the low end of the frame's error is above twice its limit, as can be in small frames.
 bool SliceLoop::tighten() {
   if (!has_meter() || slack_ <= 0) return false;
-  const MeterErrors errors = meter_errors(frame_meter());
+  const MeterErrors errors = meter_errors(meter_of_frame());
   const double limit = static_cast<double>(method_.largest_error);
   if (errors.error_interval.low <= kTightenedAbove * limit) return false;
   const double step = limit / errors.error;
@@ -127,6 +158,7 @@ void SliceLoop::complete(std::size_t s, std::span<const Column> columns, SliceVi
     report.completion = complete_with(source, s, slack_, visible, nullptr);
     return;
   }
+  report.slack = slack_;
   BlockDoubts doubts(visible.n_rows(), visible.n_columns());
   report.completion = complete_with(source, s, slack_, visible, &doubts);
   report.memory_bytes = doubts.memory_bytes();
@@ -236,29 +268,36 @@ void SliceLoop::finish(double loop_wall_s, RenderStats& stats, RenderStats::Visi
   const double radiance = sum.radiance_sum + sum.clamped_away_sum;
   stats.clamped_energy_fraction += radiance > 0 ? sum.clamped_away_sum / radiance : 0;
   if (!has_meter()) return;
-  meter = frame_meter();
+  meter = meter_of_frame();
   v.meter += meter;
   if (meter.mean_radiance <= 0) return;
   const float unit = mean_radiance_ / static_cast<float>(meter.mean_radiance);
   for (float& error : result.visibility_error) error *= unit;
 }
 
-/// Mean radiance from virtual lights, which is known now: the pilot's slices are few.
+/// Mean radiance from virtual lights as the slices tell that are shaded.
 double SliceLoop::mean_of_frame() const {
-  double sum = 0;
-  for (std::size_t i = 0; i < result.radiance.size(); ++i)
-    sum += static_cast<double>(luminance(frame_.receivers.beta[i] * result.radiance[i]));
-  return sum / (samples_per_row() * static_cast<double>(std::max<std::size_t>(1, result.radiance.size())));
+  double sum = 0, n_rows = 0;
+  for (std::size_t s = 0; s < reports_.size(); ++s) {
+    if (reports_[s].columns == 0) continue;
+    const std::span<const ReceiverId> rows = slices_.rows(s);
+    for (const ReceiverId i : rows)
+      sum += static_cast<double>(luminance(frame_.receivers.beta[index(i)] * result.radiance[index(i)]));
+    n_rows += static_cast<double>(rows.size());
+  }
+  return n_rows > 0 ? sum / (samples_per_row() * n_rows) : 0;
 }
 
 /// Squares and bias are sums over slices, whose scatter tells how sure they are.
-RenderStats::Visibility::Meter SliceLoop::frame_meter() const {
+/// @param with_other_slack false: only of slices completed with the slack at hand
+RenderStats::Visibility::Meter SliceLoop::meter_of_frame(bool with_other_slack) const {
   RenderStats::Visibility::Meter meter;
   const double frame_mean = mean_of_frame(),
                unit = frame_mean > 0 ? static_cast<double>(mean_radiance_) / frame_mean : 1;
-  double squares = 0, squares2 = 0, squares3 = 0, bias = 0, bias2 = 0, n_rows = 0;
+  double squares = 0, squares2 = 0, squares3 = 0, bias = 0, bias2 = 0, n_rows = 0, n = 0;
   for (std::size_t s = 0; s < reports_.size(); ++s) {
     const SliceReport& r = reports_[s];
+    if (!with_other_slack && r.slack != slack_) continue;
     meter.rays += r.meter.rays;
     meter.more_rays += r.meter.more_rays + r.mean_rays;
     meter.wrong += r.meter.false_visible + r.meter.false_occluded;
@@ -266,10 +305,11 @@ RenderStats::Visibility::Meter SliceLoop::frame_meter() const {
     squares += r.meter.squares, squares2 += r.meter.squares * r.meter.squares;
     squares3 += r.meter.squares * r.meter.squares * r.meter.squares;
     bias += r.meter.bias, bias2 += r.meter.bias * r.meter.bias;
-    n_rows += static_cast<double>(slices_.rows(s).size());
+    n_rows += static_cast<double>(slices_.rows(s).size()), ++n;
   }
-  const double n = static_cast<double>(reports_.size()), scale = mean_square(unit * unit, n_rows);
-  meter.slices = reports_.size();
+  if (n == 0) return meter;
+  const double scale = mean_square(unit * unit, n_rows);
+  meter.slices = static_cast<std::uint64_t>(n);
   meter.error_square = scale * squares;
   meter.error_square_variance = scale * scale * std::max(0.0, squares2 - squares * squares / n);
   const double mean = squares / n;

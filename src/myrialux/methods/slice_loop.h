@@ -16,6 +16,7 @@ struct SliceReport {
   std::uint64_t checked = 0, false_visible = 0, false_occluded = 0;  ///< entries; pilot only
   MeterReading meter;
   bool redone = false;
+  float slack = 0;              ///< it was completed with, at first
   std::uint64_t mean_rays = 0;  ///< of a block of rows traced beforehand, for the frame's mean
   double mean_s = 0;            ///< CPU seconds of that
   double cut_s = 0, visibility_s = 0, complete_s = 0, shade_s = 0;  ///< CPU seconds
@@ -49,7 +50,8 @@ class SliceLoop {
   /// Traces some slices whole; their mean radiance (complete_within: with that of rows of many more) sets the limit of
   /// what may be guessed in the others, and their errors set the slack.
   void run_pilot(Progress& progress);
-  /// All other slices; all of them again, with less slack, where the meter is sure that they err more than they may.
+  /// All other slices; the slack follows what the meter says of the first ones. All again, with less slack, where it is
+  /// sure that they err far more than they may.
   void run(Progress& progress);
   /// Adds counters, and times in proportion to CPU time, as threads work on different stages
   /// at the same time.
@@ -59,7 +61,8 @@ class SliceLoop {
   MethodResult result;
 
  private:
-  void render_all(Progress& progress);
+  void render_some(std::size_t begin, std::size_t end, Progress& progress);
+  void follow_meter();
   void render(std::size_t s);
   bool tighten();
   void render_pilot(std::size_t k);
@@ -92,7 +95,7 @@ class SliceLoop {
   bool has_meter() const { return method_.complete_within && mean_radiance_ > 0; }
 
   double mean_of_frame() const;
-  RenderStats::Visibility::Meter frame_meter() const;
+  RenderStats::Visibility::Meter meter_of_frame(bool with_other_slack = true) const;
 
   const FrameView& frame_;
   const MethodParams& params_;
