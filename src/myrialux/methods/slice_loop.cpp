@@ -31,8 +31,8 @@ constexpr double kTightenedAbove = 2;
 /// Fewer slices do not tell by their scatter how sure their mean is.
 constexpr std::uint64_t kLeastMetered = 16;
 
-/// The slack changes by no more than this factor at once.
-constexpr double kLargestStep = 1.0 / 16;
+/// The slack changes by no more than these factors at once: slices that seem good may only have been lucky.
+constexpr double kLargestStep = 1.0 / 16, kLargestRise = 1.5;
 
 }  // namespace
 
@@ -103,7 +103,7 @@ void SliceLoop::follow_meter() {
   const auto [low, high] = errors.error_interval;
   const double ratio = low > limit ? limit / errors.error : high > 0 && high < limit ? limit / high : 1;
   if (ratio == 1) return;
-  const double step = std::clamp(ratio * ratio, kLargestStep, 1 / kLargestStep);
+  const double step = std::clamp(ratio * ratio, kLargestStep, kLargestRise);
   slack_ = std::clamp(static_cast<float>(on_scale(static_cast<double>(slack_) * step)), kLeastSlack, kLargestSlack);
 }
 
