@@ -67,6 +67,7 @@ void SliceLoop::run(Progress& progress) {
   if (!has_meter()) slack_ = 0;  // without a pilot, or where it is black, nobody knows what copies would do
   // Where no slack is small enough all is traced, and the error is known to be 0.
   if (has_meter()) result.visibility_error.resize(frame_.receivers.size());
+  if (!has_meter() || slack_ <= 0) return render_some(0, kBatchEnds.back(), progress);
   std::size_t begin = 0;
   for (const std::size_t end : kBatchEnds) {
     render_some(begin, end, progress);
@@ -95,7 +96,6 @@ void SliceLoop::render_some(std::size_t begin, std::size_t end, Progress& progre
 /// where few pixels make most of the error, others can err twice as much or half. Errors grow at least with the root of
 /// the slack (docs/visibility.md).
 void SliceLoop::follow_meter() {
-  if (!has_meter() || slack_ <= 0) return;
   const RenderStats::Visibility::Meter meter = meter_of_frame(false);
   if (meter.slices < kLeastMetered) return;
   const MeterErrors errors = meter_errors(meter);
@@ -220,13 +220,14 @@ void SliceLoop::shade(std::size_t s, std::span<const Column> columns, const BitM
 
 void SliceLoop::store(std::size_t s, std::size_t n_columns, std::span<const Rgb> radiance) {
   const std::span<const ReceiverId> rows = slices_.rows(s);
-  const SliceReport& report = reports_[s];
+  SliceReport& report = reports_[s];
   const CompletionStats& c = report.completion;
   const float fraction = c.entries > 0 ? static_cast<float>(c.traced) / static_cast<float>(c.entries) : 0.0f;
   const double square = mean_square(report.meter.squares, static_cast<double>(rows.size()));
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const std::size_t i = index(rows[k]);
     result.radiance[i] = radiance[k];
+    report.luminance_sum += static_cast<double>(luminance(frame_.receivers.beta[i] * radiance[k]));
     result.slice[i] = static_cast<std::uint32_t>(s);
     result.cut_size[i] = static_cast<float>(n_columns);
     result.visibility_fraction[i] = fraction;
@@ -280,10 +281,7 @@ double SliceLoop::mean_of_frame() const {
   double sum = 0, n_rows = 0;
   for (std::size_t s = 0; s < reports_.size(); ++s) {
     if (reports_[s].columns == 0) continue;
-    const std::span<const ReceiverId> rows = slices_.rows(s);
-    for (const ReceiverId i : rows)
-      sum += static_cast<double>(luminance(frame_.receivers.beta[index(i)] * result.radiance[index(i)]));
-    n_rows += static_cast<double>(rows.size());
+    sum += reports_[s].luminance_sum, n_rows += static_cast<double>(slices_.rows(s).size());
   }
   return n_rows > 0 ? sum / (samples_per_row() * n_rows) : 0;
 }

@@ -12,6 +12,7 @@ namespace myrialux {
 struct SliceReport {
   CompletionStats completion;
   double radiance_sum = 0, clamped_away_sum = 0;
+  double luminance_sum = 0;  ///< of the rows, beta included
   std::uint64_t rays = 0, columns = 0, memory_bytes = 0;
   std::uint64_t checked = 0, false_visible = 0, false_occluded = 0;  ///< entries; pilot only
   MeterReading meter;

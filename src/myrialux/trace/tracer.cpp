@@ -75,6 +75,20 @@ void look_at(QueryContext& context, const Rays& rays) {
   context.to[0] = rays.dir_x, context.to[1] = rays.dir_y, context.to[2] = rays.dir_z;
 }
 
+/// The closest hit in those of the scenes that exist; geomID RTC_INVALID_GEOMETRY_ID: none.
+RTCRayHit closest_of(const Acceleration& a, const Ray& ray, std::initializer_list<RTCScene> scenes) {
+  const Vec3 o = ray.origin, d = ray.direction;
+  QueryContext context;
+  init(context, a, true);
+  for (int axis = 0; axis < 3; ++axis) context.from[axis] = &o.x + axis, context.to[axis] = &d.x + axis;
+  RTCRayHit query{};
+  query.ray = {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, ray.t_max, 0xffffffffu, 0, 0};
+  query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  for (RTCScene scene : scenes)
+    if (scene) embree_intersect(scene, context.embree, query);
+  return query;
+}
+
 }  // namespace
 
 Tracer::Tracer(const Scene& scene) : state_(std::make_unique<State>(scene)) {}
@@ -84,14 +98,7 @@ Tracer::Tracer(Tracer&&) noexcept = default;
 std::optional<SurfacePoint> Tracer::closest(const Ray& ray) const {
   const Acceleration& a = *state_;
   const Vec3 o = ray.origin, d = ray.direction;
-  QueryContext context;
-  init(context, a, true);
-  for (int axis = 0; axis < 3; ++axis) context.from[axis] = &o.x + axis, context.to[axis] = &d.x + axis;
-  RTCRayHit query{};
-  query.ray = {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, ray.t_max, 0xffffffffu, 0, 0};
-  query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  for (RTCScene kind : {a.meshes, a.quadrics, a.instances})
-    if (kind) embree_intersect(kind, context.embree, query);
+  const RTCRayHit query = closest_of(a, ray, {a.meshes, a.quadrics, a.instances});
   const RTCHit& hit = query.hit;
   if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
 
@@ -115,14 +122,7 @@ std::optional<SurfacePoint> Tracer::closest(const Ray& ray) const {
 
 std::optional<std::array<Vec3, 3>> Tracer::solid_triangle(const Ray& ray) const {
   const Acceleration& a = *state_;
-  const Vec3 o = ray.origin, d = ray.direction;
-  QueryContext context;
-  init(context, a, true);
-  for (int axis = 0; axis < 3; ++axis) context.from[axis] = &o.x + axis, context.to[axis] = &d.x + axis;
-  RTCRayHit query{};
-  query.ray = {o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, ray.t_max, 0xffffffffu, 0, 0};
-  query.hit.geomID = query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  embree_intersect(a.meshes, context.embree, query);
+  const RTCRayHit query = closest_of(a, ray, {a.meshes});
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   const GeometryRecord& record = a.placed[query.hit.geomID];
   if (record.is_masked || record.is_null) return std::nullopt;

@@ -29,8 +29,12 @@ class EntryDraw {
   /// So many columns lie between two sums that are kept.
   static constexpr std::size_t kRun = 8;
 
+  /// Added to doubts of blocks that are not traced whole: small ones are not known well.
+  static constexpr float kLeastDoubt = 0.01f;
+
   float weight(std::size_t b, std::size_t j) const {
-    return energies_.of(j, b) * std::sqrt(doubts_(b, j) + (doubts_(b, j) > 0 ? 0.01f : 0));
+    const float doubt = doubts_(b, j);
+    return energies_.of(j, b) * std::sqrt(doubt + (doubt > 0 ? kLeastDoubt : 0));
   }
   /// Of block b in the first n runs of columns.
   float sum(std::size_t b, std::size_t n) const { return sums_[n * energies_.n_blocks() + b]; }

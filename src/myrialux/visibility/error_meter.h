@@ -1,4 +1,4 @@
-// How wrong completed bits are, told by a few true rays: two random entries a row, and more where one is wrong.
+// How wrong completed bits are, told by a few true rays: one or two random entries a row, and more where one is wrong.
 #pragma once
 
 #include "myrialux/clusters/cut.h"
@@ -40,13 +40,13 @@ struct CompletedSlice {
 };
 
 /// Holds random entries against their rays, in two ways. One of each row, chosen evenly among its active ones, tells
-/// how many are wrong: the share of wrong entries is the mean over rows of their own shares. One of every fourth row,
+/// how many are wrong: the share of wrong entries is the mean over rows of their own shares. One of every other row,
 /// drawn by the energy of its block and the root of its doubt (some evenly), tells what wrong ones add: where errors
 /// come from a handful of bright entries, evenly chosen ones miss them nearly always. The square of a pixel's error is
 /// the sum over its wrong entries of their error times the pixel's: so where such an entry is wrong, kFollowingRays,
 /// drawn alike, tell the pixel's error (of its rows in this slice). Wrong bits of a pixel come together: squares of
 /// single entries alone would tell as little as a tenth. Unbiased in all numbers; `squares` may come out negative.
-/// Cost: a scattered ray a row and a quarter, kFollowingRays for each that is wrong in the quarter.
+/// Cost: a scattered ray a row and a half, kFollowingRays for each that is wrong in the half.
 MeterReading measure_errors(const CompletedSlice& slice, const BitMatrix& visible, Rng& rng);
 
 }  // namespace myrialux
